@@ -35,7 +35,7 @@ pub use balance::{Balance, judge_exact};
 pub use contact::ImpactLaw;
 pub use default_step::{default_step, step_of};
 pub use doubt::Doubts;
-pub use exact::{Integrator, LONGEST_MACRO_STEP};
+pub use exact::{Integrator, LONGEST_MACRO_STEP, WORK_PER_SECOND};
 pub use friction::ConeSolver;
 pub use interface::Backend;
 pub use ledger::{CLOSED_LEDGER, DefectParts, EnergyLedger, closed_share};
@@ -79,7 +79,7 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
         keeps: Column::LastButOne,
         ..answer
     };
-    Box::new(tandem(controlled(answer), controlled(check), tolerance))
+    Box::new(tandem(controlled(answer), controlled(check), tolerance, system))
 }
 
 /// Backend with this stepping: the only place that maps kinds to code. Options of fixed steps are

@@ -47,6 +47,13 @@ impl Tolerance {
         (self.tightened < MOST_TIGHTENED).then_some(Self { tightened: self.tightened + 1, ..*self })
     }
 
+    /// Whether the repetitions that are left may bring this error within the tolerance: each
+    /// divides the errors of the macro-steps by ten.
+    pub fn may_reach(&self, error: &PoseError) -> bool {
+        let excess = (error.position / self.position_m).max(error.heading / self.heading_rad);
+        excess <= 10f64.powi(MOST_TIGHTENED.saturating_sub(self.tightened) as i32)
+    }
+
     /// Whether an error is within the tolerance.
     pub fn allows(&self, error: &PoseError) -> bool {
         error.position <= self.position_m && error.heading <= self.heading_rad

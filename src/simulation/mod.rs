@@ -10,6 +10,7 @@
 //! trace.rs        what is recorded
 //! checkpoints.rs  states of a run in memory, for a stop in the midst of a step
 //! doubt_times.rs  when a run was first doubtful
+//! repeats.rs      when a run begins again with smaller errors
 //! saved.rs        saving and resuming
 //! saved_run.rs    the state of a run as data
 //! run_facts.rs    the numbers of a run, for every report
@@ -20,6 +21,7 @@ mod checkpoints;
 mod clock;
 pub mod controllers;
 mod doubt_times;
+mod repeats;
 mod resolution;
 pub mod rules;
 mod run;
@@ -33,6 +35,7 @@ pub use account::{Account, Cause, Finding, Health};
 pub use clock::SAME_INSTANT;
 pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller_of, follow_ants};
 pub use doubt_times::DoubtTimes;
+pub use repeats::Repeats;
 pub use resolution::Resolution;
 pub use run::{MakeBackend, Simulation, backend_of};
 pub use saved_run::SavedRun;

@@ -4,6 +4,7 @@ use super::account::Account;
 use super::checkpoints::Checkpoints;
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
+use super::repeats::Repeats;
 use super::resolution::Resolution;
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
 use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Status, Transition, build, judge_exact};
@@ -136,22 +137,19 @@ impl<'a> Simulation<'a> {
 
     /// Runs to the end under error control. While the error bound exceeds the tolerance, the
     /// run starts again with a smaller error for each macro-step, from what `restart` makes of the
-    /// options. The outcome says which error remains.
+    /// options. The outcome says which error remains. At obstacles a run may jump, or end without
+    /// an answer, where smaller errors do not help: what follows there is not decided.
     pub fn run_to_tolerance(&mut self, mut restart: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {
+        let mut repeats = Repeats::default();
         while !self.finished && watch(self.clock.time) {
             self.step();
-            if let Some(tighter) = self.options.tolerance.filter(|_| !self.is_within_tolerance()).and_then(|it| it.tightened()) {
-                let options = BackendOptions { tolerance: Some(tighter), ..self.options };
+            let Totals { error, steps, doubtful, .. } = &self.totals;
+            if let Some(options) = repeats.next((self.scenario, &self.options), self.clock.time, *error, (steps, doubtful)) {
                 let has_checkpoints = self.checkpoints.is_some();
                 *self = restart(&options);
                 self.checkpoints = has_checkpoints.then(Box::default);
             }
         }
-    }
-
-    /// Whether the pose has been within the tolerance so far; `true` without one.
-    fn is_within_tolerance(&self) -> bool {
-        self.options.tolerance.zip(self.totals.error).is_none_or(|(tolerance, error)| tolerance.allows(&error))
     }
 
     /// Senses, decides, acts, records and advances to the next instant; does nothing once the run

@@ -218,6 +218,26 @@ fn steps_about_a_support_start_from_the_last_one() {
     }
 }
 
+/// Most iterations and solved problems of a run of one second and the one beside it (1): a million
+/// for each of the two at once and one for the second, and a tenth for the macro-steps that go
+/// beyond it.
+const MOST_WORK: u64 = 4_400_000;
+
+/// Random scenes in which quasi-static runs would go on for minutes end in seconds, and say from
+/// when on they are not decided.
+#[test]
+fn runs_at_obstacles_end_after_bounded_work() {
+    for seed in [15, 19] {
+        let scenario = scenario(seed, false);
+        let tolerance = Tolerance::at_edge(OF_SIZE[0] * scenario.system.load.radius, &scenario.system.load);
+        let found = run(&scenario, &BackendOptions::within(BackendKind::QuasiStatic, tolerance)).expect("it takes seconds");
+        let (StepReport { n_solves, n_iterations, .. }, doubtful) = (found.outcome.steps, found.outcome.doubtful);
+        assert!(n_solves + n_iterations < MOST_WORK, "{seed}: {n_solves} {n_iterations}");
+        assert_eq!(found.outcome.steps.status, Status::NotConverged, "{seed}");
+        assert!(doubtful.not_converged_s.is_some_and(|time| time < scenario.duration), "{seed}: {doubtful:?}");
+    }
+}
+
 /// `COHAUL_SEED` is the first seed in place of 0, `COHAUL_COUNT` the number of scenes.
 #[test]
 #[ignore = "takes minutes"]

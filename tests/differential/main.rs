@@ -20,6 +20,7 @@
 
 mod against_integrator;
 #[path = "../contact/random_scene.rs"]
+#[allow(dead_code, reason = "other tests use more of it")]
 mod contact_scene;
 mod cost;
 mod draws;

@@ -59,7 +59,8 @@ impl Obstacles {
             sides = suggested(&candidates, touching);
             self.stay_in_place(course, &candidates, &mut sides, &guess);
         }
-        let mut contact = ContactStep { step: course, surroundings: &self.surroundings, candidates: &candidates, start_at: Vec3::zeros() };
+        let mut contact =
+            ContactStep { step: course, surroundings: &self.surroundings, candidates: &candidates, start_at: Vec3::zeros(), most_steps: 0 };
         let Newton { at, sides, are_forces_unique, report, .. } = contact.newton(&sides, guess, None).filter(|found| found.is_stable)?;
         let increment = course.found(&at, ContactMode::Slip, report);
         if !course.goes_on(&at, &increment) {
@@ -77,7 +78,8 @@ impl Obstacles {
     fn stay_in_place(&self, course: &mut Straight, candidates: &[Candidate], sides: &mut Sides, at: &Vec3) -> bool {
         let closed = CLOSED * course.length();
         let mut locals = Locals::new();
-        ContactStep { step: course, surroundings: &self.surroundings, candidates, start_at: Vec3::zeros() }.fill_locals(at, &mut locals);
+        ContactStep { step: course, surroundings: &self.surroundings, candidates, start_at: Vec3::zeros(), most_steps: 0 }
+            .fill_locals(at, &mut locals);
         let is_open = |mode: &SideMode| *mode == SideMode::Open;
         let left = |((mode, _), local): &(&(SideMode, SideForce), &Local)| !is_open(mode) && local.beyond > closed;
         let Some(mode) = sides.iter().zip(&locals).find(left).map(|((mode, _), _)| *mode) else { return true };

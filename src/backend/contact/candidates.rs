@@ -61,6 +61,8 @@ pub struct ContactStep<'a, C> {
     pub candidates: &'a [Candidate],
     /// Increment at which the search begins.
     pub start_at: Vec3,
+    /// Largest number of its linear steps (1).
+    pub most_steps: usize,
 }
 
 /// Gap and slip of a candidate in the step, with their derivatives by the increment.

@@ -78,6 +78,8 @@ pub struct Task {
     pub guess: Option<Vec3>,
     /// Whether the load has inertia: an overlap by rounding is closed without a speed.
     pub has_inertia: bool,
+    /// Whether a load without inertia goes on to a balance that is not near.
+    pub may_jump: bool,
     pub scope: Scope,
     /// Whether forces change smoothly since the last step: then their works are those of the
     /// trapezoid rule, and otherwise those of the forces at the end.
@@ -89,7 +91,7 @@ pub struct Task {
 impl Task {
     /// The last `step` (s) before a time (s), for a load with inertia.
     pub fn inertial(end: f64, step: f64, guess: Option<Vec3>, scope: Scope, is_smooth: bool) -> Self {
-        Self { from: end - step, to: end, step, guess, has_inertia: true, scope, is_smooth, resistance: None }
+        Self { from: end - step, to: end, step, guess, has_inertia: true, may_jump: false, scope, is_smooth, resistance: None }
     }
 }
 
@@ -182,6 +184,11 @@ impl Obstacles {
             self.gate.depth(*index, &seen)
         };
         self.surroundings.near(system, at, time).iter().map(of_obstacle).fold(0.0, f64::max)
+    }
+
+    /// Longest path of a point of an obstacle between two times (s), in metres.
+    pub fn longest_path(&self, system: &System, from: f64, to: f64) -> f64 {
+        self.surroundings.longest_path(system, from, to)
     }
 
     /// Path of an obstacle between two times (s), over the radius by which it bends about the load

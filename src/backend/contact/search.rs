@@ -5,6 +5,7 @@ use super::answer::{Answer, carried, passes_beside, suggested};
 use super::candidates::{CLOSED, ContactStep};
 use super::displacement::PIECE;
 use super::obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
+use super::step::{MOST_STEPS, MOST_STEPS_NEAR};
 use super::touching::Touching;
 use crate::backend::friction::{FrictionSolver, WarmStart};
 use crate::backend::increment::{Coasting, Course, Increment, Objective, Step};
@@ -103,7 +104,7 @@ impl Search<'_, '_> {
             self.begin_again(&warm_start);
         }
         let answer = self.near(task);
-        let is_stuck = answer.is_poor() && task.scope == Scope::Near && !task.has_inertia;
+        let is_stuck = answer.is_poor() && task.scope == Scope::Near && task.may_jump;
         let shorter = if is_stuck { self.shorter(task) } else { None };
         shorter.unwrap_or_else(|| Ended { share: answer.cut, answer, resistance: None })
     }
@@ -175,12 +176,14 @@ impl Search<'_, '_> {
         let mut reach = (2.0 * shift + (REACH * radius).max(2.0 * expected)).min(longest);
         // Features that touch are all that such a step looks at: it is taken once.
         let warm_start = (task.scope == Scope::Near).then(|| solver.warm_start().clone());
+        let most_steps = if task.has_inertia || task.may_jump { MOST_STEPS } else { MOST_STEPS_NEAR };
         let mut attempt = 0;
         loop {
             let candidates = obstacles.candidates(system, &start, task, reach, touching);
             let suggested = suggested(&candidates, touching);
             let start_at = carried(system, &start, task, &candidates, touching);
-            let mut contact = ContactStep { step: *step, surroundings: &obstacles.surroundings, candidates: &candidates, start_at };
+            let mut contact =
+                ContactStep { step: *step, surroundings: &obstacles.surroundings, candidates: &candidates, start_at, most_steps };
             let mut found = contact.find(solver, &suggested, task.guess);
             spent.n_solves += found.increment.report.n_solves;
             spent.n_iterations += found.increment.report.n_iterations;

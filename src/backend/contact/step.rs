@@ -32,8 +32,10 @@ pub struct Found {
     pub could_rest: bool,
 }
 
-/// Largest number of linear steps.
-const MOST_STEPS: usize = 40;
+/// Largest number of linear steps, and for an answer that has to be near. Of those, nearly all are
+/// found in fewer.
+pub const MOST_STEPS: usize = 40;
+pub const MOST_STEPS_NEAR: usize = 10;
 /// Largest number of those without an answer, each of which takes as long as many with one.
 const MOST_FAILED: u32 = 3;
 /// Number of linear steps after which only half of each is taken, where the whole ones do not
@@ -207,7 +209,7 @@ impl ContactStep<'_, Step<'_>> {
         let mut report = StepReport { n_steps: 1, ..StepReport::default() };
         let mut mode = ContactMode::Stick;
         let (mut n_failed, mut locals, mut pace) = (0, Locals::new(), Pace::default());
-        for round in 0..MOST_STEPS {
+        for round in 0..self.most_steps {
             stop::point();
             let local = self.step.at(&at);
             self.fill_locals(&at, &mut locals);

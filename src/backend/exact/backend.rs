@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::control::Pace;
-use super::extrapolation::{self, Task};
+use super::control::{Pace, Task};
+use super::extrapolation;
 use super::load::{Exact, Method, State};
 use crate::backend::contact::Touching;
 use crate::backend::friction::{ContactMode, WarmStart};

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{Motion, RestoreError};
+use crate::backend::springs::TipPaths;
+use crate::backend::{Motion, RestoreError, StepReport};
 use crate::math::{Twist, Vec2, rotation};
 use crate::model::{SupportPoint, System};
 
@@ -15,7 +16,17 @@ pub struct Pace {
     pub(super) shortest: f64,
     #[serde(default)]
     pub(super) trial: Trial,
+    /// Work at obstacles beyond what the run was allowed so far (1): negative as long as some is
+    /// left.
+    #[serde(default = "Pace::initial_work")]
+    work: f64,
 }
+
+/// Work that a run at obstacles, and all its repetitions together, may take for each simulated
+/// second, in Newton iterations and solved friction problems (1): one to two seconds of a processor
+/// with inertia, up to five without. What a second leaves is there for the next one, and the first
+/// second is there at once. Of random scenes that are decided at all, nearly none needs half.
+pub const WORK_PER_SECOND: f64 = 2e6;
 
 /// When to try a macro-step that is longer than its errors say, at an obstacle: after each failure
 /// half as often.
@@ -47,7 +58,7 @@ impl Trial {
 
 impl Default for Pace {
     fn default() -> Self {
-        Self { macro_step: f64::MAX, shortest: SHORTEST, trial: Trial::default() }
+        Self { macro_step: f64::MAX, shortest: SHORTEST, trial: Trial::default(), work: Self::initial_work() }
     }
 }
 
@@ -57,7 +68,26 @@ impl Pace {
     pub(super) fn check(&self) -> Result<(), RestoreError> {
         let is_possible = self.macro_step > 0.0 && (SHORTEST..=SHORTEST_WHERE_NONE_CONVERGES).contains(&self.shortest);
         let Self { macro_step, shortest, .. } = self;
-        if is_possible { Ok(()) } else { Err(RestoreError(format!("macro-steps of {macro_step} s, at least {shortest} of an advance"))) }
+        if is_possible && self.work.is_finite() {
+            Ok(())
+        } else {
+            Err(RestoreError(format!("macro-steps of {macro_step} s, at least {shortest} of an advance")))
+        }
+    }
+
+    fn initial_work() -> f64 {
+        -WORK_PER_SECOND
+    }
+
+    /// Allows the work of an advance of this `duration` (s).
+    pub(super) fn allow_work(&mut self, duration: f64) {
+        self.work = (self.work - WORK_PER_SECOND * duration).max(Self::initial_work());
+    }
+
+    /// Counts the work since the report `before`. Returns whether none is left.
+    pub(super) fn spend(&mut self, before: &StepReport, now: &StepReport) -> bool {
+        self.work += ((now.n_iterations - before.n_iterations) + (now.n_solves - before.n_solves)) as f64;
+        self.work > 0.0
     }
 
     /// Raises the shortest macro-step after an advance without an answer in places, such as a path
@@ -66,6 +96,15 @@ impl Pace {
         let shortest = if had_answers { self.shortest * self.shortest } else { self.shortest.sqrt() };
         self.shortest = shortest.clamp(SHORTEST, SHORTEST_WHERE_NONE_CONVERGES);
     }
+}
+
+/// An advance under error control.
+pub struct Task<'a> {
+    pub paths: TipPaths<'a>,
+    /// Longest macro-step (s). Implicit steps much longer than an oscillation agree with each other
+    /// on what is left when it has died out, so that the table cannot tell that it has not.
+    pub longest: f64,
+    pub control: Control,
 }
 
 /// Tolerances of a macro-step, and the answer that is kept.
@@ -103,6 +142,9 @@ pub(super) const SHORTEST_WHERE_NONE_CONVERGES: f64 = 1.0 / 16.0;
 /// Error of a macro-step with a change in it, over the tolerance of a smooth one (1): there are few
 /// of them.
 const CHANGE_SHARE: f64 = 10.0;
+/// Displacement of tips and obstacles over the error of a macro-step with a change in it, in which
+/// a change of a load without inertia is located (1). It moves only as they do.
+const LOCATED: f64 = 0.1;
 /// Rounding of energies that have added up over a run and been extrapolated (1).
 const ENERGY_ROUNDING: f64 = 1e-14;
 
@@ -131,6 +173,12 @@ impl Control {
             }
             Some(_) => plain / CHANGE_SHARE,
         }
+    }
+
+    /// Displacement of tips and obstacles (m) within which a change of a load without inertia is
+    /// located.
+    pub(super) fn located(&self) -> f64 {
+        LOCATED * CHANGE_SHARE * self.position
     }
 
     /// Distance of two flows over the tolerance (1).
@@ -191,5 +239,24 @@ impl Control {
         let (shift, turn) = (x.hypot(y) / self.position, turn.abs() / self.heading);
         // `max` drops what is not a number.
         if (shift + turn).is_nan() { f64::INFINITY } else { shift.max(turn) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run may spend the work of its time and of one second more. What it leaves of several
+    /// seconds is no more than that of one.
+    #[test]
+    fn work_is_allowed_by_the_simulated_second() {
+        let spent = |n_iterations: f64| StepReport { n_iterations: n_iterations as u64, ..StepReport::default() };
+        let spend = |pace: &mut Pace, share: f64| pace.spend(&StepReport::default(), &spent(share * WORK_PER_SECOND));
+        let mut pace = Pace::default();
+        assert!(!spend(&mut pace, 0.9) && spend(&mut pace, 0.2));
+        pace.allow_work(0.5);
+        assert!(!spend(&mut pace, 0.3) && spend(&mut pace, 0.2));
+        pace.allow_work(10.0);
+        assert!(!spend(&mut pace, 0.9) && spend(&mut pace, 0.2));
     }
 }

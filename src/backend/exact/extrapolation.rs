@@ -21,23 +21,15 @@
 //! Attachments, releases and corners of tip paths fall between advances and are instants of their
 //! own already.
 
-use super::control::{Column, Control};
+use super::control::{Column, Task};
 use super::load::{Exact, Method, Snapshot};
+use super::progress::{Effort, Progress};
 use crate::backend::friction::ContactMode;
 use crate::backend::springs::TipPaths;
 use crate::backend::{Motion, Status, StepReport, Transition, TransitionKind};
 use crate::math::{Vec2, rotation};
 use crate::model::System;
 use crate::stop;
-
-/// An advance under error control.
-pub struct Task<'a> {
-    pub paths: TipPaths<'a>,
-    /// Longest macro-step (s). Implicit steps much longer than an oscillation agree with each other
-    /// on what is left when it has died out, so that the table cannot tell that it has not.
-    pub longest: f64,
-    pub control: Control,
-}
 
 /// Largest number of rows of the table. Errors fall with the power of the row, roundings grow by
 /// about four a row.
@@ -46,16 +38,6 @@ const MOST_ROWS: usize = 8;
 /// converge. Where shorter ones do not converge either, their answers are compared like any other,
 /// and their status reports it.
 const SHORTENED_TO_SOLVE: f64 = 1.0 / 1024.0;
-/// Number of attempts in an advance, and for each of the longest macro-steps that fit into it,
-/// after which macro-steps have met what they do not resolve, such as a motion that no force
-/// resists.
-const MANY_ATTEMPTS: f64 = 256.0;
-const MANY_A_MACRO_STEP: f64 = 64.0;
-/// Number of cone problems that count for an attempt. One among obstacles may need many more than
-/// one in the open.
-const SOLVES_AN_ATTEMPT: f64 = 512.0;
-/// Growth of the shortest macro-step after each time as many (1).
-const GROWTH_AFTER_MANY: f64 = 32.0;
 /// Growth of the shortest macro-step, for the rest of an advance, after each one that had to be
 /// taken as it was (1). Where nothing converges the load still arrives, and the statuses of the
 /// steps and the run beside show what that is worth.
@@ -65,6 +47,8 @@ const FORCED_GROWTH: f64 = 2.0;
 /// become short would remain so. Longer ones are tried there whatever the number of rows, and less
 /// and less often where they fail.
 const FAVOURED_ROWS: usize = 5;
+/// Length over the shortest macro-step up to which one is not shortened (1).
+const LONGEST_SHORTEST: f64 = 1.5;
 /// Share of the tolerance that a macro-step aims at, so that few fail (1).
 const AIM: f64 = 0.5;
 /// Largest growth from one macro-step to the next (1). Behind a located change it has to grow from
@@ -73,66 +57,89 @@ const FASTEST_GROWTH: f64 = 64.0;
 
 /// Moves the load along the whole paths, at the pace that the last advance left.
 pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
-    let (mut report, mut had_answers) = (StepReport::default(), true);
+    let mut report = StepReport::default();
     let duration = task.paths.duration;
     let longest = task.longest / duration;
-    let (mut at, mut macro_step, mut shortest) = (0.0, load.pace.macro_step / duration, load.pace.shortest.min(longest));
-    // Share by which the contact mode changes, once that is known.
-    let mut change_by = None;
-    let (mut n_attempts, mut n_counted, many) = (0.0, 0.0, MANY_ATTEMPTS + MANY_A_MACRO_STEP * longest.recip());
-    while at < 1.0 && report.status != Status::Failed {
-        n_attempts += (report.n_solves as f64 / SOLVES_AN_ATTEMPT - n_counted).max(1.0);
-        n_counted = report.n_solves as f64 / SOLVES_AN_ATTEMPT;
-        if n_attempts > many {
-            (n_attempts, shortest) = (0.0, (shortest * GROWTH_AFTER_MANY).min(1.0));
-        }
-        let limit = load.until_waypoint(&task.paths, [at, change_by.unwrap_or(1.0)]);
-        let least = shortest.max((M::shortest_macro_step(load) / duration).min(longest));
-        macro_step = macro_step.min(longest).max(least);
-        let to = if limit - at <= 1.01 * macro_step { limit } else { at + macro_step };
-        meet_waypoint(load, &task.paths, [at, to], &mut report);
-        let (start, before, n_not_converged) = (load.snapshot(), load.state.contact.last(), report.n_not_converged);
-        let n_not_unique = report.doubts.n_not_unique;
-        match attempt(load, task, &start, [at, to], least, &mut report) {
+    let (mut now, mut effort) = (Progress::new(&load.pace, duration, longest), Effort::new(longest));
+    load.pace.allow_work(duration);
+    while now.at < 1.0 && report.status != Status::Failed {
+        now.shortest = effort.shortest_after(load, &mut report, now.shortest);
+        let limit = load.until_waypoint(&task.paths, [now.at, now.change_by.unwrap_or(1.0)]);
+        let least = now.shortest.max((M::shortest_macro_step(load, task) / duration).min(longest)).max(now.to_jump);
+        now.macro_step = now.macro_step.min(longest).max(least);
+        let to = if limit - now.at <= 1.01 * now.macro_step { limit } else { now.at + now.macro_step };
+        meet_waypoint(load, &task.paths, [now.at, to], &mut report);
+        let (start, before) = (load.snapshot(), report);
+        let is_shortest = to - now.at <= LONGEST_SHORTEST * least;
+        let limits = Limits { is_shortest, may_wait: !is_shortest || to < limit, is_given_up: effort.is_given_up };
+        let tried = attempt(load, task, &start, [now.at, to], limits, &mut report);
+        let has_jumped = M::has_jumped(load);
+        M::allow_jumps(load, true);
+        match tried {
             Attempt::Taken { growth, error, n_rows } => {
                 let touches = !start.state.side.touching.is_empty();
                 let is_favoured = if touches { n_rows < MOST_ROWS && load.pace.trial.is_due() } else { n_rows < FAVOURED_ROWS };
-                let growth = if is_favoured { growth.max(2.0) } else { growth };
+                let is_solved = report.n_not_converged == before.n_not_converged;
+                // With inertia the load goes on from wherever it is.
+                let decides_jumps = M::shortest_macro_step(load, task) > 0.0;
+                if is_shortest && !is_solved && decides_jumps {
+                    effort.give_up(load, &mut report);
+                }
                 if error > 1.0 {
-                    shortest *= FORCED_GROWTH;
-                    had_answers &= report.n_not_converged == n_not_converged;
+                    now.shortest *= FORCED_GROWTH;
+                    now.had_answers &= is_solved;
                 }
-                let kind = TransitionKind::between(before, load.state.contact.last());
-                let kinds = complete_snap_through(load, &start, &mut report).into_iter().chain(kind);
-                load.transitions.extend(kinds.map(|kind| Transition { time: to * duration, kind }));
-                if load.obstacles.is_some() {
-                    load.note_not_unique(n_not_unique, &report, to * duration);
-                    load.pass_gate(&mut report);
-                    load.note_contacts(&start.state.side.touching, to * duration);
-                }
-                change_by = change_by.filter(|change| *change > to);
-                let was_cut = to - at < 0.99 * macro_step;
-                macro_step = match change_by {
-                    Some(change) => change - to,
-                    None => ((to - at) * growth).max(if was_cut { macro_step } else { 0.0 }),
-                };
-                at = to;
+                note_taken(load, (&start, has_jumped), before.doubts.n_not_unique, to * duration, &mut report);
+                now.take(to, if is_favoured { growth.max(2.0) } else { growth });
             }
-            Attempt::TooLong { macro_step: shorter, change } => {
+            Attempt::NoBalance => {
+                load.reset(&start);
+                report.n_rejected += 1;
+                now.seek_balance(to, is_shortest);
+            }
+            Attempt::TooLong { macro_step, change } => {
                 load.reset(&start);
                 if change.is_none() {
                     load.pace.trial.fail();
                 }
                 report.n_rejected += 1;
-                macro_step = shorter;
-                change_by = change.or(change_by).filter(|change| *change > at);
+                let is_held_up = effort.is_held_up(load, now.at);
+                now.shorten(if is_held_up { macro_step.min(0.5 * (to - now.at)) } else { macro_step }, change);
             }
         }
     }
-    // Rounded to the advance, a longer macro-step says that nothing limits it.
-    load.pace.macro_step = macro_step.min(1e6) * duration;
-    load.pace.hand_on(had_answers);
+    now.hand_on(&mut load.pace, duration);
     report
+}
+
+/// Records what has happened in a macro-step since the `start` of it, and whether the load is known
+/// to have jumped. It ends at `time` (s).
+fn note_taken<M: Method>(
+    load: &mut Exact<M>,
+    (start, has_jumped): (&Snapshot<M::Memory>, bool),
+    n_not_unique: u64,
+    time: f64,
+    report: &mut StepReport,
+) {
+    let kind = TransitionKind::between(start.state.contact.last(), load.state.contact.last());
+    let kinds = complete_snap_through(load, start, has_jumped, report).into_iter().chain(kind);
+    load.transitions.extend(kinds.map(|kind| Transition { time, kind }));
+    if load.obstacles.is_some() {
+        load.note_not_unique(n_not_unique, report, time);
+        load.pass_gate(report);
+        load.note_contacts(&start.state.side.touching, time);
+    }
+}
+
+/// What an attempt may do.
+#[derive(Clone, Copy)]
+struct Limits {
+    /// Whether the macro-step is not shortened.
+    is_shortest: bool,
+    /// Whether another macro-step is tried where there is no balance near the end of this one.
+    may_wait: bool,
+    /// Whether it is taken by a single step, whatever that is worth.
+    is_given_up: bool,
 }
 
 enum Attempt {
@@ -144,6 +151,9 @@ enum Attempt {
         /// Number of rows of the table.
         n_rows: usize,
     },
+    /// There is no balance near the end of the macro-step, and none to which the load jumps. It
+    /// does once tips and obstacles have moved beyond the last balance by more than rounding.
+    NoBalance,
     TooLong {
         /// Share to try instead.
         macro_step: f64,
@@ -159,20 +169,25 @@ fn attempt<M: Method>(
     task: &Task,
     start: &Snapshot<M::Memory>,
     [from, to]: [f64; 2],
-    shortest: f64,
+    Limits { is_shortest, may_wait, is_given_up }: Limits,
     report: &mut StepReport,
 ) -> Attempt {
-    let Task { control, paths, .. } = task;
-    let length = to - from;
-    let is_shortest = length <= 1.5 * shortest;
+    let (length, Task { control, paths, .. }) = (to - from, task);
     load.reset(start);
+    M::allow_jumps(load, is_shortest && !is_given_up);
     let before = load.flow();
-    let mut last_row: Vec<Vec<f64>> = Vec::new();
+    let (mut last_row, touches) = (Vec::<Vec<f64>>::new(), !start.state.side.touching.is_empty());
     let (mut last_error, mut n_rises, mut changed_before) = (f64::INFINITY, 0, None);
-    let touches = !start.state.side.touching.is_empty();
     for n in 1..=MOST_ROWS {
         let Row { flow, cost, changed_in } = row(load, paths, start, [from, to], n);
         report.add(&cost.work());
+        if M::is_about_to_jump(load, &cost) && may_wait && !is_given_up {
+            return Attempt::NoBalance;
+        }
+        if M::has_jumped(load) || is_given_up {
+            report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
+            return Attempt::Taken { growth: FASTEST_GROWTH, error: 0.0, n_rows: n };
+        }
         let row = extrapolated(flow, &last_row);
         // A change that only a longer step has seen lies at its end.
         let changed_in = changed_in.or(changed_before.map(|_| n));
@@ -253,10 +268,22 @@ fn meet_waypoint<M: Method>(load: &mut Exact<M>, paths: &TipPaths, shares: [f64;
     }
 }
 
-/// Completes a snap-through that has begun since the start of a macro-step.
-fn complete_snap_through<M: Method>(load: &mut Exact<M>, before: &Snapshot<M::Memory>, report: &mut StepReport) -> Option<TransitionKind> {
+/// Completes a snap-through that has begun since the start of a macro-step. Where the load is known
+/// to have jumped, no smooth path allows for what is missing.
+fn complete_snap_through<M: Method>(
+    load: &mut Exact<M>,
+    before: &Snapshot<M::Memory>,
+    has_jumped: bool,
+    report: &mut StepReport,
+) -> Option<TransitionKind> {
     let start = before.state.snap_start();
+    if has_jumped {
+        load.state.side.uncertainty = 0.0;
+    }
     let allowed = |load: &Exact<M>| {
+        if has_jumped {
+            return 0.0;
+        }
         let end = &load.state.motion.pose;
         load.springs.work_error(&load.system.springs, &before.attachments, &start.pose, end) + load.obstacle_work_error(&before.state.side)
     };
@@ -295,6 +322,9 @@ fn row<M: Method>(load: &mut Exact<M>, paths: &TipPaths, start: &Snapshot<M::Mem
     for i in 1..=n {
         stop::point();
         cost.add(&M::step(load, paths, share(i - 1), share(i)));
+        if M::is_about_to_jump(load, &cost) {
+            break;
+        }
         let (mode_now, slips_now, sides_now) = (load.mode(), slips_of(load), load.contacts());
         let reverses = || slips.iter().zip(&slips_now).any(|(before, now)| before.dot(now) < 0.0);
         if mode.is_some_and(|before| mode_now != Some(before) || reverses()) || !sides.go_on(&sides_now) {
@@ -327,7 +357,7 @@ fn growth(error: f64, power: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::contact::GroundContact;
-    use super::super::control::{SHORTEST, SHORTEST_WHERE_NONE_CONVERGES};
+    use super::super::control::{Control, SHORTEST, SHORTEST_WHERE_NONE_CONVERGES};
     use super::super::load::State;
     use super::*;
     use crate::backend::shortcuts::Skips;

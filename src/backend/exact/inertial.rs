@@ -16,7 +16,7 @@ use super::contact::GroundContact;
 use super::dashpots::Dashpots;
 use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched};
-use super::{euler, midpoint, resolution};
+use super::{control, euler, midpoint, resolution};
 use crate::backend::contact::{Instant, PairKey, Scope, SideMode, SideWork, Touching, Turn, gap_rounding};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
@@ -282,7 +282,7 @@ impl Method for Inertial {
 
     /// At obstacles: the step h in which the rounding e of a position asks for the force m e / h^2,
     /// with m the mass of the load.
-    fn shortest_macro_step(load: &Exact<Self>) -> f64 {
+    fn shortest_macro_step(load: &Exact<Self>, _task: &control::Task) -> f64 {
         let (Load { mass, radius, .. }, limit) = (load.system.load, load.system.total_slip_limit());
         if load.state.side.touching.is_empty() || limit == 0.0 {
             return 0.0;

@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::contact::GroundContact;
-use super::control::Pace;
+use super::control::{Pace, Task};
 use super::side::SideState;
 use crate::backend::contact::{Obstacles, SideForce};
 use crate::backend::friction::{ContactMode, FrictionSolver};
@@ -62,8 +62,22 @@ pub trait Method: Sized + Send {
     }
 
     /// Length below which macro-steps are not shortened further (s).
-    fn shortest_macro_step(_load: &Exact<Self>) -> f64 {
+    fn shortest_macro_step(_load: &Exact<Self>, _task: &Task) -> f64 {
         0.0
+    }
+
+    /// Lets the next steps lead to a balance that is not near, or not, and forgets the jumps so
+    /// far.
+    fn allow_jumps(_load: &mut Exact<Self>, _are_allowed: bool) {}
+
+    /// Whether a step has found no balance, and a jump might lead to one.
+    fn is_about_to_jump(_load: &Exact<Self>, _report: &StepReport) -> bool {
+        false
+    }
+
+    /// Whether a step has led to a balance that is not near.
+    fn has_jumped(_load: &Exact<Self>) -> bool {
+        false
     }
 
     /// Prepares for a row of `n_steps` equal steps over a macro-step (s), and returns the support

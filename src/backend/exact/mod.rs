@@ -11,7 +11,8 @@
 //! contact        what is known of the load's contact with the ground;  side: with obstacles
 //! among_obstacles  what all methods do with obstacles between their steps
 //! waypoints      instants at which obstacles change their velocity
-//! extrapolation  macro-steps under error control;  control: their tolerances and errors
+//! extrapolation  macro-steps under error control;  control: their tolerances and errors;
+//! progress       which one is next, and the work that they take
 //! ```
 
 mod among_obstacles;
@@ -29,6 +30,7 @@ mod jumps;
 mod load;
 mod midpoint;
 mod one_step;
+mod progress;
 mod quasi_static;
 mod relaxation;
 mod resolution;
@@ -37,7 +39,7 @@ mod touching;
 mod viscous;
 mod waypoints;
 
-pub use control::{Column, Control};
+pub use control::{Column, Control, WORK_PER_SECOND};
 pub use inertial::LONGEST_MACRO_STEP;
 pub use load::Exact;
 pub use one_step::Integrator;

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bdf2::{self, Past};
 use super::contact::GroundContact;
+use super::control;
 use super::load::{Exact, Method, SnapStart, State};
 use super::viscous::{Viscous, ViscousMemory};
 use crate::backend::contact::{Resistance, Scope, SideWork, Task};
@@ -43,12 +44,23 @@ const MOST_HELD_LEGS: u32 = 128;
 /// worth. A path whose pieces become shorter and shorter would take minutes.
 const MOST_ITERATIONS: u64 = 1_000_000;
 
+/// The same under error control, where a jump ends that is not decided (1): a small part of the
+/// work of a simulated second.
+const MOST_IN_A_JUMP: u64 = 100_000;
+
 /// The quasi-static method.
 pub struct QuasiStatic {
     /// Whether steps are of second order where they can be.
     second_order: bool,
     /// The dashpots of the springs.
     pub(super) viscous: Viscous,
+    jumps: Jumps,
+}
+
+/// Steps among obstacles that lead to a balance that is not near.
+struct Jumps {
+    are_allowed: bool,
+    has_jumped: bool,
 }
 
 /// What a quasi-static step leaves for the next one.
@@ -68,7 +80,8 @@ impl Exact<QuasiStatic> {
         // Macro-steps are long already, and their states are taken back.
         let skips = if matches!(stepping, Stepping::Fixed(_)) { skips } else { skips.without(Skip::StickCertificate) };
         let (viscous, memory) = Viscous::of(system);
-        let (method, memory) = (QuasiStatic { second_order: false, viscous }, Memory { past: None, viscous: memory });
+        let jumps = Jumps { are_allowed: true, has_jumped: false };
+        let (method, memory) = (QuasiStatic { second_order: false, viscous, jumps }, Memory { past: None, viscous: memory });
         Self::with(method, memory, (system.clone(), motion), stepping, skips)
     }
 
@@ -134,12 +147,14 @@ impl Exact<QuasiStatic> {
     fn balance_among_obstacles(&mut self, step: Option<f64>, [mut from, to]: [f64; 2]) -> StepReport {
         let (mut report, mut work) = self.leg(step, [from, to], None);
         self.state.side.now = to;
+        let most = if matches!(self.stepping, Stepping::Fixed(_)) { MOST_ITERATIONS } else { MOST_IN_A_JUMP };
         let mut n_held = 0;
         for _ in 0..MOST_LEGS {
             stop::point();
-            let goes_on = n_held < MOST_HELD_LEGS && report.n_iterations < MOST_ITERATIONS;
+            let goes_on = n_held < MOST_HELD_LEGS && report.n_iterations < most;
             let Some(share) = work.cut.filter(|_| goes_on) else { break };
             n_held += u32::from(share == 1.0);
+            self.method.jumps.has_jumped |= work.resistance.is_some() && !self.method.viscous.acts;
             from += share * (to - from);
             let (next, next_work) = self.leg(None, [from, to], work.resistance);
             report.add(&StepReport { n_steps: 0, ..next });
@@ -162,7 +177,9 @@ impl Exact<QuasiStatic> {
         };
         let potential = Potential { dashpots: method.viscous.blocks(), ..Potential::of(springs.blocks(), start) };
         let mut problem = Step { potential, ground: &system.ground, length: system.load.radius };
-        let task = Task { from, to, step: to - from, guess, has_inertia: false, scope: Scope::Near, is_smooth: false, resistance };
+        let may_jump = method.jumps.are_allowed;
+        let task =
+            Task { from, to, step: to - from, guess, has_inertia: false, may_jump, scope: Scope::Near, is_smooth: false, resistance };
         let (increment, work) = obstacles.find(system, &mut problem, solver, &mut state.side.touching, &task);
         let report = self.accept(increment, step);
         if report.status != Status::Failed {
@@ -300,6 +317,29 @@ impl Method for QuasiStatic {
     fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64 {
         let n_longest = load.springs.longest_displacement(paths.targets) / (LONGEST_TIP_DISPLACEMENT * load.system.load.radius);
         if load.state.contact.last() == ContactMode::Stick { paths.duration / n_longest } else { f64::INFINITY }
+    }
+
+    /// In the time in which a change is located, tips and obstacles move by next to nothing. Damped
+    /// springs change their forces by the time as well.
+    fn shortest_macro_step(load: &Exact<Self>, control::Task { paths, control, .. }: &control::Task) -> f64 {
+        let (Some(obstacles), time) = (load.obstacles.as_ref().filter(|_| !load.method.viscous.acts), load.state.side.time) else {
+            return 0.0;
+        };
+        let of_obstacles = obstacles.longest_path(&load.system, time, time + paths.duration);
+        paths.duration * control.located() / load.springs.longest_displacement(paths.targets).max(of_obstacles)
+    }
+
+    /// With dashpots the load relaxes where it would jump, in steps of any length.
+    fn allow_jumps(load: &mut Exact<Self>, are_allowed: bool) {
+        load.method.jumps = Jumps { are_allowed: are_allowed || load.method.viscous.acts, has_jumped: false };
+    }
+
+    fn is_about_to_jump(load: &Exact<Self>, report: &StepReport) -> bool {
+        !load.method.viscous.acts && load.obstacles.is_some() && !load.method.jumps.has_jumped && report.status != Status::Converged
+    }
+
+    fn has_jumped(load: &Exact<Self>) -> bool {
+        load.method.jumps.has_jumped
     }
 
     fn disturb(state: &mut State<Memory>, spring: usize) {

@@ -10,7 +10,7 @@ use cohaul::analysis::estimate::{InertiaEstimate, with_estimate};
 use cohaul::backend::BackendOptions;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::run_facts::Run;
-use cohaul::simulation::{Cause, Health, Keep, Outcome, Simulation, backend_of, controller_of};
+use cohaul::simulation::{Cause, Health, Keep, Outcome, Repeats, Simulation, backend_of, controller_of};
 use cohaul_report::account_words;
 use cohaul_report::table::Field;
 
@@ -84,7 +84,7 @@ const STEPS_UNASKED: u64 = 64;
 /// Runs to the end. Under error control, the run starts again with a smaller error for each
 /// macro-step until it is within its tolerance or cannot be.
 fn run(scenario: &Scenario, options: &BackendOptions, most_attached: usize, go_on: &dyn Fn() -> bool) -> Option<(Outcome, Totals)> {
-    let mut options = *options;
+    let (mut options, mut repeats) = (*options, Repeats::default());
     loop {
         let (backend, estimator) = match options.kind.has_inertia_estimate() {
             true => {
@@ -109,16 +109,11 @@ fn run(scenario: &Scenario, options: &BackendOptions, most_attached: usize, go_o
         }
         let outcome = run.outcome();
         totals.estimate = estimator.map(|estimator| estimator.borrow().estimate());
-        match tightened(&options, &outcome) {
+        match repeats.next((scenario, &options), outcome.time, outcome.error, (&outcome.steps, &outcome.doubtful)) {
             Some(tighter) => options = tighter,
             None => return Some((outcome, totals)),
         }
     }
-}
-
-fn tightened(options: &BackendOptions, outcome: &Outcome) -> Option<BackendOptions> {
-    let tolerance = options.tolerance.filter(|tolerance| outcome.error.is_some_and(|error| !tolerance.allows(&error)))?;
-    Some(BackendOptions { tolerance: Some(tolerance.tightened()?), ..*options })
 }
 
 /// Status, cause and numbers, or the number that is not finite.
