@@ -47,7 +47,7 @@ fn wrong(sentence: &str, schema: &Value) -> Option<String> {
     }
     let known: Vec<_> = LIMITS.iter().filter(|(words, _)| lower.contains(words)).collect();
     if known.is_empty() {
-        return Some("is in no list of tests/docs/limits.rs".to_owned());
+        return Some("is in no list of tests/program/docs/limits.rs".to_owned());
     }
     let failed = known.iter().find(|(_, shown)| !shown.iter().all(|shown| shown.holds(schema)));
     if let Some((words, _)) = failed {
