@@ -7,12 +7,16 @@ use std::f64::consts::{PI, TAU};
 use cohaul::backend::contact::{
     ContactRow, ContactSolution, ContactSystem, Ending, SideMode, Stage, certificate, mode_newton, solve_contacts,
 };
-use cohaul::backend::friction::clarabel;
 use cohaul::backend::friction::{ContactMode, FrictionSolver};
 use cohaul::math::{Mat3, RandomStreams, Stream, Vec2, Vec3, direction, perpendicular};
 use cohaul::model::support::{slip_velocity, wrench_of};
 use cohaul::model::{Ground, SupportPoint};
 use nalgebra::{DMatrix, DVector};
+
+#[path = "common/convex.rs"]
+mod convex;
+
+use convex::step_with_contacts;
 
 /// Uniform draws in (0, 1), one after the other.
 struct Draws {
@@ -335,13 +339,13 @@ fn largest_excess(range: std::ops::Range<u64>) -> (f64, u32) {
         step.rows.iter_mut().for_each(|row| row.friction_coefficient = 0.0);
         let solution = step.solve();
         assert!(solution.residual < 1e-11);
-        let other = clarabel::step_with_contacts(&step.ground, step.size, &step.hessian, &step.drive, &step.rows);
-        let overlap = step.rows.iter().map(|row| -(row.gap + row.normal.dot(&other.increment))).fold(0.0, f64::max);
-        let excess = excess(&step, &solution.increment, &other.increment);
+        let (other, is_solved) = step_with_contacts(&step.ground, step.size, &step.hessian, &step.drive, &step.rows);
+        let overlap = step.rows.iter().map(|row| -(row.gap + row.normal.dot(&other))).fold(0.0, f64::max);
+        let excess = excess(&step, &solution.increment, &other);
         let pushed: f64 = solution.forces.iter().map(|force| force.normal).sum();
-        let size = step.drive.component_mul(&other.increment).amax() + objective(&step, &other.increment).abs();
+        let size = step.drive.component_mul(&other).amax() + objective(&step, &other).abs();
         worst = worst.max((excess - pushed * overlap) / size);
-        n_solved += u32::from(other.solved);
+        n_solved += u32::from(is_solved);
     }
     (worst, n_solved)
 }

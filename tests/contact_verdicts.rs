@@ -159,7 +159,7 @@ fn assert_valid_up_to(ratio: f64, found: &Pathwise) {
 fn a_pusher_that_stops_is_quasi_static_up_to_the_speed_of_theory() {
     let scenario = read("contact/pusher");
     let length = 0.05;
-    let braking = scenario.system.total_slip_limit() / scenario.system.load.mass;
+    let braking = scenario.system.braking();
     // The tolerance is a share of the whole path, coast included.
     let critical = (2.0 * braking * SHARE * length / (1.0 - SHARE)).sqrt();
     for ratio in SPEEDS {
@@ -200,4 +200,49 @@ fn a_slide_along_a_wall_is_quasi_static_up_to_the_speed_of_theory() {
         assert!((0.969..1.001).contains(&share), "{ratio} {share}");
         assert_valid_up_to(ratio, &found);
     }
+}
+
+/// A disc of 1 kg that one spring pulls against a wall at 0.1 m, where a tip at `tip` (m) stretches
+/// it to `tip` less 0.1 m.
+fn pressed_against_a_wall(waypoints: &str, damping_ratio: f64, duration: f64) -> Scenario {
+    let text = format!(
+        r#"{{"name": "pressed", "duration_s": {duration}, "control_period_s": 0.005, "load": {{"mass_kg": 1, "radius_m": 0.1}},
+        "ground": {{"friction_coefficient": 0.5, "supports": {{"tripod": {{"radius_m": 0.07}}}}}},
+        "springs": [{{"root_m": [0, 0], "bearing_rad": 0, "rest_length_m": 0, "radial_stiffness_n_per_m": 100,
+            "torsional_stiffness_nm_per_rad": 0, "damping_ratio": {damping_ratio}}}],
+        "obstacles": [{{"name": "wall", "outline": {{"polyline": {{"points_m": [[0.2, -0.5], [0.2, 0.5]]}}}}}}],
+        "drive": {{"kind": "tips", "paths": [{{"spring": 0, "waypoints": {waypoints}}}]}}}}"#
+    );
+    Scenario::parse(&text, "pressed").unwrap()
+}
+
+/// At rest, the wall and the ground bear the pull together, in no share that the laws determine:
+/// the wall at least the pull less the slip limit, and at most the pull plus the slip limit.
+#[test]
+fn a_wall_that_bears_a_load_at_rest_has_a_force_with_the_range_of_the_slip_limit() {
+    let pull = 100.0 * (0.4 - 0.1);
+    for (waypoints, damping_ratio, duration) in [("[[0, 0, 0], [8, 0.4, 0]]", 1.0, 8.0), ("[[0, 0.4, 0]]", 0.1, 2.0)] {
+        let scenario = pressed_against_a_wall(waypoints, damping_ratio, duration);
+        let limit = scenario.system.total_slip_limit();
+        let found = compared(&scenario, 0.005);
+        let peak = found.verdicts.contacts.measures.iter().find(|measure| measure.label() == "peak contact force of obstacle 0").unwrap();
+        // The engine's position is off by micrometres, against a spring of 100 N/m.
+        let admissible = pull - limit - 1e-3..pull + limit + 1e-3;
+        assert!([peak.quasi_static, peak.inertial, peak.rapier].iter().all(|force| admissible.contains(force)), "{peak:?}");
+        assert!((peak.undetermined - 2.0 * limit).abs() <= 2e-3, "{peak:?}");
+        // What no law determines is no effect of inertia, and no error.
+        assert_eq!([peak.inertia_effect, peak.engine_error, peak.reference_error], [0.0; 3], "{peak:?}");
+    }
+}
+
+/// All that a run shows of this wall is one impact: there is no force to be compared.
+#[test]
+fn an_impact_alone_gives_no_contact_force() {
+    let mut scenario = pressed_against_a_wall("[[0, 0, 0]]", 0.0, 0.1);
+    scenario.system.springs.clear();
+    scenario.drive = Drive::Tips(Vec::new());
+    scenario.start.twist.linear = Vec2::new(4.0, 0.0);
+    scenario.control_period = 0.05;
+    let found = compared(&scenario, 0.005);
+    assert!(found.verdicts.contacts.measures.is_empty(), "{:?}", found.verdicts.contacts.measures);
 }

@@ -3,8 +3,9 @@
 //! The distance between the loads with and without inertia belongs to the last disturbance that was
 //! as large as the oscillation that it met, up to a tenth. That oscillation is left of earlier
 //! disturbances: its amplitude is the square root of `d^2 + (u / w)^2`, with the distance d and the
-//! difference of speeds u of the two loads, and w the frequency of the load on its springs. The
-//! size of a disturbance is the displacement that it brings about:
+//! difference of speeds u of the two loads, and w the frequency of the load on its springs. A load
+//! without springs does not oscillate: u / w is then the way `u^2 / (2 a)` on which friction brakes
+//! it by a. The size of a disturbance is the displacement that it brings about:
 //!
 //! | trigger | disturbance of the load without inertia | size |
 //! |---|---|---|
@@ -63,11 +64,22 @@ pub(super) struct Disturbance {
     pub speed_with_inertia: f64,
     /// Frequency of the load on its springs (rad/s); zero without springs.
     pub rate: f64,
+    /// Deceleration of a load that slides without springs (m/s^2).
+    pub braking: f64,
     /// Damping ratio of that oscillation (1); zero where the load without inertia jumps.
     pub damping_ratio: f64,
 }
 
 impl Disturbance {
+    /// How far this difference of edge speeds (m/s) takes the loads apart (m).
+    fn swing(&self, speed: f64) -> f64 {
+        match (self.rate > 0.0, self.braking > 0.0) {
+            (true, _) => speed.abs() / self.rate,
+            (false, true) => speed * speed / (2.0 * self.braking),
+            (false, false) => 0.0,
+        }
+    }
+
     /// Size of an event after which the load without inertia has moved by `moved` (m) beyond its
     /// path at the speed before (m).
     fn size_of_event(&self, moved: f64) -> f64 {
@@ -94,15 +106,14 @@ impl Attribution {
 
     /// Adds an interval. Its disturbance becomes the trigger if it is large enough.
     pub fn meet(&mut self, now: &Disturbance) {
-        let swing = |speed: f64| if now.rate > 0.0 { speed.abs() / now.rate } else { 0.0 };
         let [last, before] = self.speeds;
-        let amplitude = now.distance.hypot(swing(now.speed_with_inertia - last));
+        let amplitude = now.distance.hypot(now.swing(now.speed_with_inertia - last));
         let speed = now.displacement / now.duration;
         let jump = now.displacement - last * now.duration;
         let event = now.event.filter(|_| jump > 0.0 && now.size_of_event(jump) >= LEAST_SIZE * amplitude);
         let from = if (speed - before).abs() > (speed - last).abs() { before } else { last };
-        let change = swing(speed - from);
-        let of_obstacle = change.max(swing(now.speed_with_inertia - self.speed_with_inertia));
+        let change = now.swing(speed - from);
+        let of_obstacle = change.max(now.swing(now.speed_with_inertia - self.speed_with_inertia));
         let obstacle = now.obstacle.or(self.obstacle);
         let has_changed = speed != from && change >= LEAST_SIZE * amplitude && !self.has_changed;
         if let Some(event) = event {
@@ -138,6 +149,7 @@ mod tests {
         distance: 0.0,
         speed_with_inertia: 0.0,
         rate: 10.0,
+        braking: 5.0,
         damping_ratio: 0.0,
     };
 
@@ -174,6 +186,12 @@ mod tests {
             let event = Some(Trigger { spring: Some(1), ..Trigger::new(TriggerKind::Release, 0.3) });
             let relaxing = Disturbance { displacement: 0.01 + moved, event, damping_ratio: 3.0, ..STILL };
             load.meet(&Disturbance { time: 0.3, distance, speed_with_inertia: 0.1, ..relaxing });
+            assert_eq!(kind(&load), expected, "{distance}");
+        }
+        // Without springs, a stop from 0.1 m/s takes the loads apart by 1 mm.
+        for (distance, expected) in [(1.2e-3, TriggerKind::SlipOnset), (1e-3, TriggerKind::Driving)] {
+            let mut load = load;
+            load.meet(&Disturbance { time: 0.3, distance, speed_with_inertia: 0.1, rate: 0.0, ..STILL });
             assert_eq!(kind(&load), expected, "{distance}");
         }
         // The load with inertia hits an obstacle.

@@ -15,10 +15,6 @@ pub fn closed_share(has_error_control: bool, tolerance_share: f64) -> f64 {
     if has_error_control { CLOSED_LEDGER } else { CLOSED_LEDGER.max(tolerance_share) }
 }
 
-fn is_zero(energy: &f64) -> bool {
-    *energy == 0.0
-}
-
 /// Energy of a run, by where it is and where it went (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyLedger {
@@ -29,10 +25,10 @@ pub struct EnergyLedger {
     /// Energy lost to friction so far.
     pub friction: f64,
     /// Energy lost to side friction with obstacles so far.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub side_friction: f64,
     /// Energy lost in impacts on obstacles so far.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub impacts: f64,
     /// Energy lost in the dashpots of the springs so far.
     pub damping: f64,
@@ -41,7 +37,7 @@ pub struct EnergyLedger {
     /// Work on the tips so far, with that of attaching deformed springs.
     pub tip_work: f64,
     /// Work of moving obstacles on the load so far.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub obstacle_work: f64,
     /// Kinetic energy at the start.
     pub initial: f64,

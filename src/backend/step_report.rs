@@ -38,7 +38,7 @@ pub struct StepReport {
     pub n_rejected: u64,
     /// Largest residual of a step in which an obstacle pushed the load, relative to the forces in
     /// it (1).
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub contact_residual: f64,
     /// Whether the contact forces of some step were statically indeterminate: other forces balance
     /// the load just as well.
@@ -46,19 +46,19 @@ pub struct StepReport {
     pub is_indeterminate: bool,
     /// Largest angle of the fastest oscillation in a step, where no step that the backend may take
     /// resolves it (rad); zero where all steps do.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub unresolved_rad: f64,
     /// Energy that quasi-static steps gained within the error of the trapezoid rule for the work
     /// (J).
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub work_error_j: f64,
     /// Largest change of the direction of a spring about its root in a fixed step of an exact
     /// backend (rad); zero where all are small.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub swing_rad: f64,
     /// Share of the path that the positions of the engine lost by rounding, where it exceeds what a
     /// run may lose (1); zero where it does not.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub lost_share: f64,
     /// What makes the accepted steps of an exact backend doubtful.
     #[serde(default, skip_serializing_if = "Doubts::is_empty")]
@@ -67,15 +67,11 @@ pub struct StepReport {
     /// that went into it, or over the largest entry of the ledger of an exact backend (1). Energy
     /// that is missing beyond what a run under error control may lose has a minus. Zero where
     /// neither holds.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub gained_share: f64,
     /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
-}
-
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 impl StepReport {

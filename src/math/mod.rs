@@ -28,3 +28,8 @@ pub type Mat2 = nalgebra::Matrix2<f64>;
 pub type Mat3 = nalgebra::Matrix3<f64>;
 /// A linear map from vectors in the plane to columns of three.
 pub type Mat3x2 = nalgebra::Matrix3x2<f64>;
+
+/// Whether a number is zero, for numbers that are left out of JSON then.
+pub(crate) fn is_zero<T: Default + PartialEq>(number: &T) -> bool {
+    *number == T::default()
+}

@@ -42,6 +42,11 @@ impl System {
         self.ground.slip_limits().sum()
     }
 
+    /// Deceleration of a load that slides without turning, mu g on level ground (m/s^2).
+    pub fn braking(&self) -> f64 {
+        self.total_slip_limit() / self.load.mass
+    }
+
     /// Largest torque of friction about the origin (N m): that of a load which turns about it.
     pub fn total_slip_torque(&self) -> f64 {
         self.ground.slip_limits().zip(&self.ground.supports).map(|(limit, support)| limit * support.offset.norm()).sum()

@@ -77,10 +77,6 @@ pub const PULL_MAX_N: f64 = 36.5e-3;
 /// Number of simulated pulls (1). Section VII.
 pub const N_PULLS: u64 = 520_057;
 
-/// Time of the change in the shown simulation (s): the load speed and its turn rate rise, and the
-/// sum of the interaction forces falls sharply. Section VII, for Fig. 11.
-pub const PHASE_CHANGE_S: f64 = 83.0;
-
 /// Mean of the measured pulls of the ants (N). Section IV-C.1.
 pub const MEASURED_PULL_MEAN_N: f64 = 10.5e-3;
 /// Standard deviation of the measured pulls (N). Section IV-C.1.
@@ -95,10 +91,6 @@ pub const MEASURED_SHARE_BELOW: f64 = 0.991;
 pub const INERTIAL_FORCE_N: f64 = 1e-7;
 /// Friction force mu m g on structure 2 (N). Section IV-C.1.
 pub const FRICTION_FORCE_N: f64 = 22e-3;
-/// Number of ants that are needed to move structure 2 (1). Section IV-C.3.
-pub const N_NEEDED: usize = 3;
-/// Number of ants beyond which the measured load speed does not increase (1). Section IV-C.3.
-pub const N_SATURATED: usize = 5;
 
 /// Number of simulated samples in which 1 to 10 ants pulled (1). Caption of Fig. 9.
 pub const SIMULATED_SAMPLES: [u64; 10] = [1_186_594, 19_971, 50_522, 36_362, 35_459, 4956, 17_700, 38_777, 46_289, 19_234];

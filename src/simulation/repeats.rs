@@ -8,6 +8,7 @@ use crate::scenario::Scenario;
 /// (1): each divides the errors of smooth macro-steps by ten, and leaves the distance of two places
 /// where a load lands as it is.
 const HELPS: f64 = 0.5;
+
 /// Repetitions of a run so far.
 #[derive(Default)]
 pub struct Repeats {
@@ -29,28 +30,20 @@ impl Repeats {
         error: Option<PoseError>,
         (steps, doubtful): (&StepReport, &DoubtTimes),
     ) -> Option<BackendOptions> {
-        let error = error.filter(|error| options.tolerance.is_some_and(|tolerance| !tolerance.allows(error)) && !self.is_over)?;
+        let (tolerance, error) = options.tolerance.zip(error).filter(|(tolerance, error)| !tolerance.allows(error) && !self.is_over)?;
         let work = self.work + steps.n_iterations + steps.n_solves;
         let helps = |(last_time, last): (f64, PoseError)| time > last_time || is_smaller(&error, &last);
-        let may_help = self.last.is_none_or(helps) && work as f64 <= WORK_PER_SECOND * scenario.duration;
-        let next = tightened(scenario, options, Some(error), doubtful).filter(|_| may_help || scenario.system.world.is_empty());
+        let may_reach = doubtful.not_converged_s.is_none() && tolerance.may_reach(&error);
+        let may_help = may_reach && self.last.is_none_or(helps) && work as f64 <= WORK_PER_SECOND * scenario.duration;
+        let next = tolerance.tightened().filter(|_| may_help || scenario.system.world.is_empty());
         self.is_over = next.is_none();
         (self.last, self.work) = (Some((time, error)), work);
-        next
+        next.map(|tolerance| BackendOptions { tolerance: Some(tolerance), ..*options })
     }
 }
 
 fn is_smaller(error: &PoseError, last: &PoseError) -> bool {
     error.position <= HELPS * last.position && error.heading <= HELPS * last.heading
-}
-
-/// Options with a smaller error of each macro-step, for a run whose error bound exceeds its
-/// tolerance, where they may help.
-fn tightened(scenario: &Scenario, options: &BackendOptions, error: Option<PoseError>, doubtful: &DoubtTimes) -> Option<BackendOptions> {
-    let (tolerance, error) = options.tolerance.zip(error).filter(|(tolerance, error)| !tolerance.allows(error))?;
-    let may_help = doubtful.not_converged_s.is_none() && tolerance.may_reach(&error);
-    let tolerance = tolerance.tightened().filter(|_| may_help || scenario.system.world.is_empty())?;
-    Some(BackendOptions { tolerance: Some(tolerance), ..*options })
 }
 
 #[cfg(test)]

@@ -307,11 +307,6 @@ impl Value {
 }
 
 impl Run<'_> {
-    /// Whether the error bound is as small as asked for; `true` without error control.
-    pub fn is_within_tolerance(&self) -> bool {
-        self.options.tolerance.zip(self.outcome.error).is_none_or(|(asked, error)| asked.allows(&error))
-    }
-
     /// Whether error control kept the error as small as asked for, with steps that all converged;
     /// `true` without error control.
     pub fn is_accurate(&self) -> bool {

@@ -62,6 +62,11 @@ fn from_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<AttachedTips,
 }
 
 impl Row {
+    /// Whether the load touches two obstacles at once, which may bear it in more than one way.
+    pub fn touches_two(&self) -> bool {
+        self.contacts.windows(2).any(|pair| pair[0].obstacle != pair[1].obstacle)
+    }
+
     /// Sum of the interaction forces of all pairs of attached tips, Eq. (4); positive when they
     /// pull apart (N).
     pub fn interaction(&self) -> f64 {

@@ -66,7 +66,7 @@ fn slide(scenario: &Scenario) -> Option<Known> {
     if angular != 0.0 || speed == 0.0 || !is_centred(scenario) {
         return None;
     }
-    let braking = scenario.system.total_slip_limit() / scenario.system.load.mass;
+    let braking = scenario.system.braking();
     let path = move |time: f64| {
         let time = time.min(speed / braking);
         Pose { position: start.position + linear * (time - 0.5 * braking * time * time / speed), ..start }

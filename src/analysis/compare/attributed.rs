@@ -39,6 +39,7 @@ impl Attributed {
                 distance: with[at - 1].motion.pose.edge_displacement(&before.motion.pose, radius),
                 speed_with_inertia: with[at - 1].motion.twist.edge_speed(radius),
                 rate: rate_on(system, after),
+                braking: system.braking(),
                 damping_ratio: if rate_independent { 0.0 } else { damping_on(system, after) },
             });
             if found.triggers.last() != Some(&attribution.trigger) {

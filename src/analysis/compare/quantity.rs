@@ -299,6 +299,7 @@ mod tests {
             reference_error: 0.0,
             tolerance: 1.0,
             parts: Parts::default(),
+            undetermined: 0.0,
         };
         let measures = vec![measure("mean speed", 1.5, 9.0), measure("peak speed", 2.0, 0.0)];
         let mut of = QuantityVerdict { measures, ..QuantityVerdict::of_nothing("m/s") };

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::course::Course;
+use super::course::{Course, Ranged, Signal};
 use super::parts::{Others, Parts};
 use super::verdict::Verdict;
 
@@ -20,11 +20,18 @@ pub struct RunMeasure {
     pub quasi_static: f64,
     pub inertial: f64,
     pub rapier: f64,
+    /// Distance of inertial from quasi-static, outside of what no law determines.
     pub inertia_effect: f64,
+    /// Distance of the engine from inertial, outside of what no law determines.
     pub engine_error: f64,
     pub reference_error: f64,
     pub tolerance: f64,
     pub parts: Parts,
+    /// Width of the numbers that are as right as those of the exact runs: that of the contact
+    /// forces of a load at rest, of which the ground bears as much as it happens to. Left out if
+    /// all are determined.
+    #[serde(skip_serializing_if = "crate::math::is_zero")]
+    pub undetermined: f64,
 }
 
 /// Number that a course over ticks is reduced to.
@@ -37,8 +44,6 @@ enum Kind {
     /// Value at the end.
     Last,
 }
-
-type Signal = Vec<Option<f64>>;
 
 /// One number, with its course over the ticks on each backend.
 pub(super) struct Reduced<'a> {
@@ -100,11 +105,11 @@ impl Courses {
         of_springs.chain(net.map(|(name, kind)| self.reduced(name, kind, |course| &course.net_pull))).collect()
     }
 
-    /// Peak and mean force of each obstacle that a load ever touches.
+    /// Peak and mean force of each obstacle that a load ever touches, if every run shows it.
     pub fn contacts(&self) -> Vec<Reduced<'_>> {
         let is_touched = |obstacle: &usize| {
             let forces = self.runs.iter().flat_map(|course| &course.contact_forces[*obstacle]);
-            forces.flatten().any(|force| *force > 0.0)
+            forces.flatten().any(|force| force.value > 0.0)
         };
         let of_obstacle = |obstacle: usize| {
             [("peak contact force", Kind::Peak), ("mean contact force", Kind::Mean)].map(|(name, kind)| Reduced {
@@ -112,7 +117,7 @@ impl Courses {
                 ..self.reduced(name, kind, move |course| &course.contact_forces[obstacle])
             })
         };
-        (0..self.runs[0].contact_forces.len()).filter(is_touched).flat_map(of_obstacle).collect()
+        (0..self.runs[0].contact_forces.len()).filter(is_touched).flat_map(of_obstacle).filter(Reduced::exists).collect()
     }
 
     /// Speeds of the centre and of the edge. The tolerance of both is a share of the latter: a load
@@ -139,15 +144,22 @@ impl Courses {
 }
 
 impl Reduced<'_> {
+    /// Whether each run has this number.
+    pub fn exists(&self) -> bool {
+        let companions = self.companions.iter().copied().flatten();
+        self.signals.into_iter().chain(companions).all(|signal| signal.iter().any(Option::is_some))
+    }
+
     /// Largest of the quasi-static and the inertial value.
     pub fn size(&self) -> f64 {
-        self.kind.value(self.signals[0]).max(self.kind.value(self.signals[1]))
+        self.kind.number(self.signals[0]).value.max(self.kind.number(self.signals[1]).value)
     }
 
     pub(super) fn measure(&self, tolerance: f64) -> RunMeasure {
-        let [quasi_static, inertial, rapier] = self.signals.map(|signal| self.kind.value(signal));
-        let error = |at: usize, value: f64| self.companions[at].map_or(0.0, |companion| (self.kind.value(companion) - value).abs());
-        let others = self.others.map(|signal| self.kind.value(signal));
+        let numbers = self.signals.map(|signal| self.kind.number(signal));
+        let error = |at: usize| self.companions[at].map_or(0.0, |companion| self.kind.number(companion).gap(&numbers[at]));
+        let others = self.others.map(|signal| self.kind.number(signal).value);
+        let [quasi_static, inertial, rapier] = numbers.map(|number| number.value);
         RunMeasure {
             name: self.name,
             spring: self.spring,
@@ -155,11 +167,12 @@ impl Reduced<'_> {
             quasi_static,
             inertial,
             rapier,
-            inertia_effect: (inertial - quasi_static).abs(),
-            engine_error: (rapier - inertial).abs(),
-            reference_error: error(0, quasi_static).max(error(1, inertial)),
+            inertia_effect: numbers[1].gap(&numbers[0]),
+            engine_error: numbers[2].gap(&numbers[1]),
+            reference_error: error(0).max(error(1)),
             tolerance,
             parts: Parts::of_numbers([quasi_static, inertial, rapier], &others),
+            undetermined: numbers[..2].iter().map(|number| number.high - number.low).fold(0.0, f64::max),
         }
     }
 
@@ -170,28 +183,29 @@ impl Reduced<'_> {
         let (last, allowed) = (a.len().min(b.len()).checked_sub(1)?, measure.tolerance + measure.reference_error);
         let [of_a, of_b] = [a, b].map(|signal| self.kind.so_far(signal));
         let differ = |at: &usize| match self.kind {
-            Kind::Peak => of_a[*at].max(of_b[*at]) > of_a[last].min(of_b[last]) + allowed,
-            Kind::Mean | Kind::Last => (of_a[*at] - of_b[*at]).abs() > allowed,
+            Kind::Peak => of_a[*at].excess(&of_b[last]).max(of_b[*at].excess(&of_a[last])) > allowed,
+            Kind::Mean | Kind::Last => of_a[*at].gap(&of_b[*at]) > allowed,
         };
         (differ(&last)).then(|| (0..=last).find(differ).and_then(|at| times.get(at).copied()))?
     }
 }
 
 impl Kind {
-    fn value(self, signal: &Signal) -> f64 {
-        self.so_far(signal).last().copied().unwrap_or(0.0)
+    /// Zero if there is no value.
+    fn number(self, signal: &Signal) -> Ranged {
+        self.so_far(signal).last().copied().unwrap_or_default()
     }
 
     /// Values up to each tick. Means are sums over the number of values in the whole run, so that
     /// they end at the mean.
-    fn so_far(self, signal: &Signal) -> Vec<f64> {
+    fn so_far(self, signal: &Signal) -> Vec<Ranged> {
         let n = signal.iter().flatten().count().max(1) as f64;
-        let mut so_far = 0.0f64;
-        let next = |value: &Option<f64>| {
+        let mut so_far = Ranged::default();
+        let next = |value: &Option<Ranged>| {
             so_far = match (self, value) {
                 (_, None) => so_far,
-                (Kind::Peak, Some(value)) => so_far.max(*value),
-                (Kind::Mean, Some(value)) => so_far + value / n,
+                (Kind::Peak, Some(value)) => so_far.map(*value, f64::max),
+                (Kind::Mean, Some(value)) => so_far.map(*value, |sum, value| sum + value / n),
                 (Kind::Last, Some(value)) => *value,
             };
             so_far

@@ -134,7 +134,11 @@ impl Differences {
     /// first.
     pub fn against_inertia(&self, effect: &ByTrigger, predicted: &Predicted, mode: &JumpMode) -> Vec<SuggestedChange> {
         let aim = AIM * self.tolerance_without_inertia;
-        let ByTrigger { start_m: start, jumps_m: jumps, driving_m: driving, .. } = *effect;
+        let ByTrigger { start_m: start, jumps_m: mut jumps, driving_m: mut driving, .. } = *effect;
+        if self.driver != Driver::Tips {
+            // Only what drives the load makes it jump, and there are no springs to be damped.
+            (driving, jumps) = (driving.max(jumps), 0.0);
+        }
         // Tips may stop before the lag is largest. Slower tips, or a start at rest, show all of it.
         let lag = predicted.where_tips_stop_m.filter(|_| start.max(driving) > self.tolerance);
         let driving = lag.map_or(driving, |lag| lag.max(driving));
@@ -206,6 +210,9 @@ mod tests {
         change.apply(&mut scenario);
         let end = scenario.system.world.obstacles[0].path.waypoints[1].0;
         assert!((end - 4.0).abs() < 1e-14 && (scenario.duration - 4.0).abs() < 1e-14, "{end} {}", scenario.duration);
+        let jump = ByTrigger { jumps_m: 16.0 * AIM * 1e-3, ..ByTrigger::default() };
+        let driver = Driver::of(&scenario.system);
+        assert_eq!(Differences { driver, ..DIFFERENCES }.against_inertia(&jump, &Predicted::default(), &mode), [change]);
         scenario.system.world.obstacles.clear();
         assert_eq!(changes(Driver::of(&scenario.system)), []);
     }

@@ -1,6 +1,6 @@
 //! The verdicts of a comparison of paths, quantity by quantity.
 
-use super::course::Course;
+use super::course::{Course, blanks};
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
 use super::parts::{Others, Parts};
@@ -9,7 +9,6 @@ use super::reduced::Courses;
 use super::settings::{LEAST_MOTION, Settings};
 use super::solution::{Point, Solution};
 use super::verdict::{Answers, InertiaAnswer, Verdict};
-use crate::backend::TransitionKind;
 use crate::math::Vec2;
 use crate::scenario::Scenario;
 use crate::simulation::Row;
@@ -62,7 +61,7 @@ impl Runs<'_> {
             speed: of(&speeds, settings.tolerance_speed_share, speed, "m/s"),
             energy: of(&courses.energy(), settings.tolerance_energy_share, energy, "J"),
         };
-        if self.solutions[..2].iter().any(|solution| solution.steps.is_indeterminate && touches_two(solution)) {
+        if self.solutions[..2].iter().any(|solution| solution.steps.is_indeterminate && solution.trace.rows.iter().any(Row::touches_two)) {
             verdicts.contacts.leave_open();
         }
         let reaches = |solution: &Solution| solution.reach(scenario.system.load.radius) > self.least_motion();
@@ -144,10 +143,8 @@ impl Runs<'_> {
 
     fn courses(&self) -> Courses {
         let Self { scenario, solutions, jumps, .. } = self;
-        let is_impact = |kind: &TransitionKind| matches!(kind, TransitionKind::Impact { .. });
-        let transitions = solutions.iter().flat_map(|solution| &solution.trace.transitions);
-        let impacts: Vec<f64> = transitions.filter(|transition| is_impact(&transition.kind)).map(|impact| impact.time).collect();
-        let course = |solution: &Solution, rows: &[Row]| Course::of(solution.kind, rows, &impacts, scenario, jumps);
+        let blanks: Vec<f64> = solutions.iter().flat_map(|solution| blanks(&solution.trace, scenario)).collect();
+        let course = |solution: &Solution, rows: &[Row]| Course::of(solution.kind, rows, &blanks, scenario, jumps);
         let companion = |solution: &Solution| {
             let rows = &solution.trace.companion;
             (!rows.is_empty()).then(|| course(solution, rows))
@@ -161,12 +158,6 @@ impl Runs<'_> {
         };
         Courses { runs: solutions.each_ref().map(of), companions: [companion(&solutions[0]), companion(&solutions[1])], others }
     }
-}
-
-/// Whether a load ever touches two obstacles at once, which may bear it in more than one way.
-fn touches_two(solution: &Solution) -> bool {
-    let differs = |row: &Row| row.contacts.windows(2).any(|pair| pair[0].obstacle != pair[1].obstacle);
-    solution.trace.rows.iter().any(differs)
 }
 
 /// Length below which the load counts as resting (m).

@@ -149,6 +149,7 @@ impl Follower for AmongObstacles {
             distance: last.pose.edge_displacement(before, radius),
             speed_with_inertia: last.twist.edge_speed(radius),
             rate,
+            braking: self.system.braking(),
             damping_ratio,
         });
         let pose = self.load.motion().pose;

@@ -30,7 +30,7 @@ pub struct InertiaEstimate {
     /// displacement from the start with inertia if that is longer.
     pub path_length_m: f64,
     /// Share of the quasi-static path length that lies in jumps (1).
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "crate::math::is_zero")]
     pub jump_share: f64,
     /// Largest edge displacement divided by the path length (1); zero for a load at rest.
     pub share: f64,
@@ -45,10 +45,6 @@ pub struct InertiaEstimate {
     /// Whether the load, with inertia or without, touched an obstacle.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub touches_obstacle: bool,
-}
-
-fn is_zero(share: &f64) -> bool {
-    *share == 0.0
 }
 
 impl InertiaEstimate {

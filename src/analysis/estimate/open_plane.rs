@@ -161,6 +161,7 @@ impl OpenPlane {
             distance: last.pose.edge_displacement(before, self.system.load.radius),
             speed_with_inertia: last.speed,
             rate: step.frequency,
+            braking: self.system.braking(),
             damping_ratio: if self.workspace.beside_rate_independent { 0.0 } else { step.damping_ratio },
         });
     }

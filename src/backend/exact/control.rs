@@ -206,7 +206,7 @@ impl Control {
         if self.settling_time.is_none() || motion.twist != Twist::ZERO {
             return 0.0;
         }
-        self.size(0.5 * system.total_slip_limit() / system.load.mass * duration * duration, 0.0, 0.0)
+        self.size(0.5 * system.braking() * duration * duration, 0.0, 0.0)
     }
 
     /// Possible error of the speed by supports and side contacts that reverse within a step of

@@ -22,7 +22,7 @@ pub struct SideState {
     /// Impacts that are not reported yet.
     pub impacts: Vec<Impact>,
     /// Number of steps that were divided at a touch since the last report (1).
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::math::is_zero")]
     pub n_divided: usize,
     /// Energy that the last step may have mistaken at obstacles (J).
     pub uncertainty: f64,
@@ -37,10 +37,6 @@ pub struct Impact {
     /// Energy lost (J).
     pub loss: f64,
     pub law: ImpactLaw,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 impl SideState {

@@ -11,7 +11,6 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::problem::{ContactMode, FrictionSolution};
-use crate::backend::contact::ContactRow;
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::slip_velocity;
@@ -61,15 +60,9 @@ impl ClarabelSolver {
         let costs: Vec<f64> = [0.0; 3].into_iter().chain(limits.iter().copied()).collect();
         let cones = vec![SupportedConeT::SecondOrderConeT(3); n];
         // The identity has the shape of every H that will come.
-        let solver = DefaultSolver::new(
-            &quadratic_part(&Mat3::identity(), n),
-            &costs,
-            &cone_rows(&offsets, &[]),
-            &vec![0.0; 3 * n],
-            &cones,
-            settings(),
-        )
-        .expect("the problem's shape is consistent");
+        let solver =
+            DefaultSolver::new(&quadratic_part(&Mat3::identity(), n), &costs, &cone_rows(&offsets), &vec![0.0; 3 * n], &cones, settings())
+                .expect("the problem's shape is consistent");
         Self { solver, ground: ground.clone(), length: length_scale, force, limits }
     }
 
@@ -121,35 +114,6 @@ impl ClarabelSolver {
     }
 }
 
-/// Minimum of the friction problem under the condition that no side contact overlaps,
-/// `gap + normal x >= 0`, without side friction. `length_scale` is the unit of length (m), and the
-/// largest of the slip limits and of the drive is that of force.
-///
-/// # Panics
-/// When clarabel refuses the problem's shape, which does not depend on its numbers.
-pub fn step_with_contacts(ground: &Ground, length_scale: f64, hessian: &Mat3, drive: &Vec3, rows: &[ContactRow]) -> ClarabelSolution {
-    let units = Vec3::new(length_scale, length_scale, 1.0);
-    let per_force = drive.component_mul(&units).amax() / length_scale + ground.slip_limits().sum::<f64>();
-    let energy = length_scale * if per_force > 0.0 { per_force } else { 1.0 };
-    let h = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j] / energy);
-    let w = drive.component_mul(&units) / energy;
-    let n = ground.supports.len();
-    let offsets: Vec<Vec2> = ground.supports.iter().map(|support| support.offset / length_scale).collect();
-    let limits = ground.slip_limits().map(|limit| limit * length_scale / energy);
-    let costs: Vec<f64> = w.iter().map(|v| -v).chain(limits).collect();
-    let gaps: Vec<f64> = std::iter::repeat_n(0.0, 3 * n).chain(rows.iter().map(|row| row.gap / length_scale)).collect();
-    let normals = rows.iter().map(|row| row.normal.component_mul(&units) / length_scale);
-    let cones = std::iter::repeat_n(SupportedConeT::SecondOrderConeT(3), n).chain([SupportedConeT::NonnegativeConeT(rows.len())]);
-    let cones: Vec<SupportedConeT<f64>> = cones.collect();
-    let normals: Vec<Vec3> = normals.collect();
-    let mut solver = DefaultSolver::new(&quadratic_part(&h, n), &costs, &cone_rows(&offsets, &normals), &gaps, &cones, settings())
-        .expect("the problem's shape is consistent");
-    solver.solve();
-    let solution = &solver.solution;
-    let increment = Vec3::from_fn(|i, _| solution.x[i]).component_mul(&units);
-    ClarabelSolution { increment, solved: solution.status == SolverStatus::Solved }
-}
-
 fn settings() -> DefaultSettings<f64> {
     DefaultSettingsBuilder::default()
         .verbose(false)
@@ -185,9 +149,8 @@ fn quadratic_part(h: &Mat3, n: usize) -> CscMatrix<f64> {
     CscMatrix::new(3 + n, 3 + n, column_starts, vec![0, 0, 1, 0, 1, 2], upper_triangle(h))
 }
 
-/// A with -A (x, t) = (t_i, B_i x) for each support in turn, and the products of x with the normals
-/// after these.
-fn cone_rows(offsets: &[Vec2], normals: &[Vec3]) -> CscMatrix<f64> {
+/// A with -A (x, t) = (t_i, B_i x) for each support in turn.
+fn cone_rows(offsets: &[Vec2]) -> CscMatrix<f64> {
     let n = offsets.len();
     let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
     let mut put = |row, column, value: f64| {
@@ -203,8 +166,5 @@ fn cone_rows(offsets: &[Vec2], normals: &[Vec3]) -> CscMatrix<f64> {
             put(3 * i + 2, column, slip.y);
         }
     }
-    for (k, normal) in normals.iter().enumerate() {
-        (0..3).for_each(|column| put(3 * n + k, column, normal[column]));
-    }
-    CscMatrix::new_from_triplets(3 * n + normals.len(), 3 + n, rows, columns, values)
+    CscMatrix::new_from_triplets(3 * n, 3 + n, rows, columns, values)
 }
