@@ -146,7 +146,7 @@ formats! {
     /// Result of `run`.
     RUN = ("cohaul run", 1, "`run --json`, `summary.json`", None);
     /// Result of `compare`.
-    COMPARE = ("cohaul compare", 2, "`compare --json`, `summary.json`", None);
+    COMPARE = ("cohaul compare", 3, "`compare --json`, `summary.json`", None);
     /// Result of `compare --vary`.
     MAP = ("cohaul compare map", 1, "`compare --vary --json`, `summary.json`", None);
     /// Result of `compare --threshold`.

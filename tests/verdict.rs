@@ -337,9 +337,9 @@ fn backends_agree_on_a_load_that_does_not_move() {
     assert_eq!(over(55).verdict, Verdict::Inconclusive);
     let found = over(56);
     assert_eq!(found.verdict, Verdict::Agree, "{:?}", found.measures);
-    assert_eq!((found.first_different_decision.quasi_static_s, found.first_different_decision.rapier_s), (None, None));
+    assert_eq!((found.first_different_decision.quasi_static_s, found.first_different_decision.engine_s), (None, None));
     let speed = found.measures.iter().find(|measure| measure.name == "mean_speed_m_per_s").unwrap();
-    assert!(speed.engine_error.is_equal && !speed.engine_error.excludes_zero && speed.rapier.mean < 1e-18, "{speed:?}");
+    assert!(speed.engine_error.is_equal && !speed.engine_error.excludes_zero && speed.engine.mean < 1e-18, "{speed:?}");
     assert!(found.measures.iter().any(|measure| measure.name == "pull_mean_n" && measure.inertial.mean > 1e-3), "they pull");
 }
 
@@ -356,7 +356,7 @@ fn a_backend_on_which_no_run_arrives_differs() {
     (drive.nest_position, drive.arrival_radius) = (Vec2::new(0.02, -0.017), 0.02);
     let found = ThreeWay::new(&scenario, &settings(RapierOptions::default())).closed_loop(6, |_| true).unwrap();
     let arrived = found.measures.iter().find(|measure| measure.name == "fraction_arrived").unwrap();
-    assert_eq!((arrived.quasi_static.mean, arrived.inertial.mean, arrived.rapier.mean), (1.0, 0.0, 0.0));
+    assert_eq!((arrived.quasi_static.mean, arrived.inertial.mean, arrived.engine.mean), (1.0, 0.0, 0.0));
     let engine = &arrived.engine_error;
     assert!(arrived.inertia_effect.excludes_zero && found.verdict == Verdict::Inertia, "{found:?}");
     assert!((engine.mean, engine.excludes_zero, engine.is_equal) == (0.0, false, false), "six seeds do not show that shares are equal");
@@ -385,7 +385,8 @@ fn coasting_and_overshooting_are_separated() {
     // The reference error is at most a twentieth of the tolerance, which is 1 % of the path length.
     assert!((from.start_m - way).abs() <= 5e-4 * way && (from.jumps_m, from.driving_m) == (0.0, 0.0), "{from:?} {way}");
     assert_eq!(coasts.first_divergence.inertia_effect.unwrap().trigger.unwrap().kind, TriggerKind::Start);
-    assert!(matches!(coasts.suggested_changes[0], SuggestedChange::SlowerStart { .. }), "{:?}", coasts.suggested_changes);
+    // Without inertia it does not move at all, which no start at less speed would do.
+    assert!(!coasts.suggested_changes.iter().any(SuggestedChange::is_of_scene), "{:?}", coasts.suggested_changes);
 
     // A spring across the motion that pulls with a fiftieth of the slip limit from the beginning
     // does not change the coasting distance.
@@ -400,7 +401,7 @@ fn coasting_and_overshooting_are_separated() {
     let way = 0.1f64.powi(2) / (2.0 * 1.4 * 9.81);
     assert!((from.start_m / way - 1.0).abs() < 0.01 && (from.jumps_m, from.driving_m) == (0.0, 0.0), "{from:?} {way}");
     assert_eq!(held.first_divergence.inertia_effect.unwrap().trigger.unwrap().kind, TriggerKind::Start);
-    assert!(matches!(held.suggested_changes[0], SuggestedChange::SlowerStart { .. }), "{:?}", held.suggested_changes);
+    assert!(!held.suggested_changes.iter().any(SuggestedChange::is_of_scene), "{:?}", held.suggested_changes);
 
     scenario.start.twist.angular = 30.0;
     let both = compared(&scenario, &settings);

@@ -7,12 +7,12 @@ import os
 from typing import Any, Callable, Mapping, Sequence
 
 from . import _native
-from ._options import as_json, engine, number, progress_of, text, texts, whole
+from ._options import as_json, number, progress_of, rapier_options, text, texts, whole
 from ._run import Results, Trace
 from ._scenario import Source, as_scenario
 
 BACKENDS = ("quasi-static", "inertial", "rapier")
-"""Names of the backends, the simplest first."""
+"""Names of the backends of the package, the simplest first."""
 
 
 class Replay:
@@ -113,16 +113,19 @@ def compare(
     rate_independent: bool = False,
     no_skip: str | Sequence[str] | None = None,
     rapier: Mapping[str, str] | None = None,
+    engine: Callable[[], Any] | None = None,
     threads: int | None = None,
     progress: bool | Callable[[float], Any] | None = None,
 ) -> Comparison:
-    """Compares the three backends on a scenario. Ctrl-C ends it.
+    """Compares the two exact backends with an engine on a scenario. Ctrl-C ends it.
 
     :param tiers: ``'prescribed'`` for given paths, ``'replayed'`` and ``'closed-loop'`` for ants;
         the default is all that the scenario has
     :param seeds: number of paired seeds of the closed loop (1)
     :param seed: first seed, in place of the scenario's
-    :param step_s: longest step of rapier and of the closed loop (s)
+    :param engine: class of an engine of your own in the place of rapier, as
+        :mod:`cohaul.engines` describes it; it has no closed loop
+    :param step_s: longest step of the engine and of the closed loop (s)
     :param tolerance_m: tolerance of error control in the reference runs (m); the default is as
         small as the verdict needs
     :param tolerance_share: largest edge displacement that counts as agreement, over the path
@@ -148,9 +151,13 @@ def compare(
         "tolerance_speed_share": number("tolerance_speed_share", tolerance_speed_share),
         "tolerance_energy_share": number("tolerance_energy_share", tolerance_energy_share),
         "no_skip": texts("no_skip", no_skip),
-        "rapier": engine(rapier),
+        "rapier": rapier_options(rapier),
     }
-    return _compared(scenario, settings, tiers, seeds, seed, None, threads, progress)
+    if engine is not None and not callable(engine):
+        raise TypeError(f"engine: must be a class or a function that makes an engine, found {type(engine).__name__}")
+    if engine is not None and rapier is not None:
+        raise ValueError("rapier: must be left out with an engine of your own, found both")
+    return _compared(scenario, settings, tiers, seeds, seed, None, engine, threads, progress)
 
 
 def compare_controller(
@@ -188,7 +195,7 @@ def compare_controller(
     if not callable(make_controller):
         raise TypeError(f"make_controller: must be a function, found {type(make_controller).__name__}")
     settings = {"step_s": number("step_s", step_s), "recorded_from": text("recorded_from", recorded_from)}
-    return _compared(scenario, settings, tiers, seeds, seed, make_controller, threads, progress)
+    return _compared(scenario, settings, tiers, seeds, seed, make_controller, None, threads, progress)
 
 
 def _compared(
@@ -198,6 +205,7 @@ def _compared(
     seeds: int,
     seed: int | None,
     controller: Callable[[int], Callable[[Any], Any]] | None,
+    engine: Callable[[], Any] | None,
     threads: int | None,
     progress: bool | Callable[[float], Any] | None,
 ) -> Comparison:
@@ -208,6 +216,6 @@ def _compared(
     names = texts("tiers", tiers)
     show, end = progress_of(progress, "compare")
     try:
-        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, n_threads, show))
+        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, engine, n_threads, show))
     finally:
         end()

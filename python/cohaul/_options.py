@@ -55,7 +55,7 @@ def texts(path: str, value: str | Sequence[str] | None) -> list[str]:
     return words
 
 
-def engine(options: Mapping[str, str] | None) -> dict[str, str]:
+def rapier_options(options: Mapping[str, str] | None) -> dict[str, str]:
     """Options of rapier: ``friction``, ``springs``, ``precision`` and ``settings``."""
     if options is None:
         return {}
@@ -85,7 +85,7 @@ def backend_options(
         "second_order": bool(second_order),
         "rate_independent": bool(rate_independent),
         "no_skip": texts("no_skip", no_skip),
-        "rapier": engine(rapier),
+        "rapier": rapier_options(rapier),
     }
     return {name: value for name, value in found.items() if value is not None}
 

@@ -7,6 +7,7 @@
 //! trace.rs       columns of a trace, which numpy reads in place
 //! run.rs         one run
 //! controller.rs  a controller that is written in Python
+//! engine.rs      an engine that is written in Python
 //! stepper.rs     a load that is moved step by step
 //! compare.rs     a comparison of three backends
 //! sweep.rs       many runs on all threads
@@ -15,6 +16,7 @@
 
 mod compare;
 mod controller;
+mod engine;
 mod options;
 mod points;
 mod run;

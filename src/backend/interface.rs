@@ -4,6 +4,19 @@ use super::springs::AttachedTip;
 use super::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::Vec2;
 
+/// What a backend computes beside the pose of the load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Computes {
+    pub twist: bool,
+    pub energy: bool,
+    /// Forces of obstacles.
+    pub contacts: bool,
+}
+
+impl Computes {
+    pub const ALL: Self = Self { twist: true, energy: true, contacts: true };
+}
+
 /// A method that moves the load.
 ///
 /// A spring is named by its index in [`crate::model::System::springs`]. Attaching an attached
@@ -61,6 +74,11 @@ pub trait Backend: Send {
 
     /// Energy of the run so far, by where it is and where it went (J).
     fn energy(&self) -> EnergyLedger;
+
+    /// What this backend computes. A comparison has no numbers of what it does not.
+    fn computes(&self) -> Computes {
+        Computes::ALL
+    }
 
     /// Friction force of the ground on each support (N, world), averaged over the last step; empty
     /// for a backend that does not compute it.

@@ -37,7 +37,7 @@ pub use default_step::{default_step, step_of};
 pub use doubt::Doubts;
 pub use exact::{Integrator, LONGEST_MACRO_STEP, WORK_PER_SECOND};
 pub use friction::ConeSolver;
-pub use interface::Backend;
+pub use interface::{Backend, Computes};
 pub use ledger::{CLOSED_LEDGER, DefectParts, EnergyLedger, closed_share};
 pub use options::{BackendKind, BackendOptions, Setting};
 pub use pose_error::PoseError;

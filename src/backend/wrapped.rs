@@ -1,7 +1,7 @@
 //! A backend around another one, which observes or adds to some of the calls.
 
 use super::springs::AttachedTip;
-use super::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
+use super::{Backend, Computes, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::Vec2;
 
 /// What a [`Wrapped`] backend does besides passing a call on. Each default only passes it on.
@@ -57,6 +57,10 @@ impl<H: Hook> Backend for Wrapped<H> {
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
         self.hook.advance(self.inside.as_mut(), tip_targets, duration)
+    }
+
+    fn computes(&self) -> Computes {
+        self.inside.computes()
     }
 
     fn motion(&self) -> Motion {

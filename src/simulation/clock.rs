@@ -44,8 +44,15 @@ impl Clock {
     }
 
     /// Next instant of the run (s): the first of the next tick, the next end of a part, the end of
-    /// the run and `instant` (s).
-    pub fn next(&self, instant: Option<f64>) -> f64 {
+    /// the run, `instant` (s) and the `next_corner` of an obstacle after a time (s). A corner that
+    /// is one with an instant of the others, or with the present, is no instant of its own.
+    pub fn next(&self, instant: Option<f64>, next_corner: impl Fn(f64) -> f64) -> f64 {
+        let (next, same) = (self.next_of_run(instant), self.same_instant());
+        let corner = next_corner(self.time + same);
+        if corner < next - same { corner } else { next }
+    }
+
+    fn next_of_run(&self, instant: Option<f64>) -> f64 {
         let end = self.tick_time(self.tick + 1).min(self.end);
         let instant = instant.map_or(end, |instant| instant.min(end));
         if self.n_parts == 1 {

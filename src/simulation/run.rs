@@ -7,7 +7,7 @@ use super::controllers::{Commands, Controller, View, controller_of};
 use super::repeats::Repeats;
 use super::resolution::Resolution;
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
-use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Status, Transition, build, judge_exact};
+use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Computes, Motion, Status, Transition, build, judge_exact};
 use crate::model::System;
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
@@ -82,6 +82,11 @@ impl<'a> Simulation<'a> {
             controller,
             backend,
         }
+    }
+
+    /// What the backend computes.
+    pub fn computes(&self) -> Computes {
+        self.backend.computes()
     }
 
     /// Records `n_parts` rows in each control period in place of one. Meant for controllers whose
@@ -186,9 +191,7 @@ impl<'a> Simulation<'a> {
         self.controller.decide(&View { scenario, backend: self.backend.as_ref(), motion, tips, time, tick, skips }, &mut self.commands);
         self.act();
         self.record(motion);
-        let corner = Some(scenario.system.world.next_corner(time)).filter(|corner| corner.is_finite());
-        let instants = [self.controller.next_instant(time), corner];
-        let until = self.clock.next(instants.into_iter().flatten().reduce(f64::min));
+        let until = self.clock.next(self.controller.next_instant(time), |time| scenario.system.world.next_corner(time));
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.controller.targets(&view, until);
         let report = self.backend.advance(targets, until - time);

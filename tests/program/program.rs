@@ -781,14 +781,14 @@ fn assert_closed_loop(tier: &Value, n_seeds: u64) {
         assert!(names.contains(&name), "{names:?}");
     }
     for measure in measures {
-        let intervals = ["quasi_static", "inertial", "rapier"].map(|part| (part, "mean_interval_95"));
+        let intervals = ["quasi_static", "inertial", "engine"].map(|part| (part, "mean_interval_95"));
         for (part, key) in intervals.into_iter().chain(["inertia_effect", "engine_error"].map(|part| (part, "interval"))) {
             assert!(number(&measure[part], "/n") <= n_seeds as f64 && number(&measure[part], "/sd") >= 0.0);
             let interval = &measure[part][key];
             assert!(interval.is_null() || number(interval, "/low") <= number(interval, "/high"));
         }
     }
-    let allowed = ["/mean_interval_95", "/interval", "/n_needed", "/n_seeds_needed", "/reference_error", "/quasi_static_s", "/rapier_s"];
+    let allowed = ["/mean_interval_95", "/interval", "/n_needed", "/n_seeds_needed", "/reference_error", "/quasi_static_s", "/engine_s"];
     let nulls = nulls(tier, "");
     assert!(nulls.iter().all(|pointer| allowed.iter().any(|end| pointer.ends_with(end))), "{nulls:?}");
 }

@@ -2,7 +2,7 @@
 
 use super::difference::Jumps;
 use super::settings::LEAST_MOTION;
-use crate::backend::{BackendKind, EnergyLedger, TransitionKind};
+use crate::backend::{BackendKind, Computes, EnergyLedger, TransitionKind};
 use crate::math::Vec2;
 use crate::scenario::Scenario;
 use crate::simulation::{Row, SAME_INSTANT, Trace};
@@ -71,13 +71,13 @@ impl Ranged {
 impl Course {
     /// Course of a run from its `rows`, of which those between ticks are left out. Contact forces
     /// are left out within a control period of the `blanks` (s).
-    pub fn of(kind: BackendKind, rows: &[Row], blanks: &[f64], scenario: &Scenario, jumps: &Jumps) -> Self {
+    pub fn of((kind, computes): (BackendKind, Computes), rows: &[Row], blanks: &[f64], scenario: &Scenario, jumps: &Jumps) -> Self {
         let system = &scenario.system;
         let ticks = ticks(rows, scenario.control_period);
         let pull_of = |row: &Row, spring| row.tips.iter().find(|tip| tip.spring == spring).map(|tip| tip.pull.norm().into());
         let has_jumped = |row: &Row| !kind.has_inertia() && jumps.since_tick(row.time).is_some();
         let speed = |radius: f64| {
-            let at_ticks = speeds(kind, &ticks, radius);
+            let at_ticks = if computes.twist { speeds(kind, &ticks, radius) } else { vec![None; ticks.len()] };
             let between_jumps = ticks.iter().zip(&at_ticks).map(|(row, speed)| speed.filter(|_| !has_jumped(row))).collect();
             Speed { at_ticks, between_jumps }
         };
@@ -87,7 +87,7 @@ impl Course {
             let is_static = forces.clone().next().is_some() && (rests[at] || has_jumped(row));
             let force = forces.map(|contact| contact.force).sum::<Vec2>().norm();
             let bounds = || static_force(force, net_pull(row), system.total_slip_limit());
-            (!is_blank[at]).then(|| if is_static { bounds() } else { force.into() })
+            (!is_blank[at] && computes.contacts).then(|| if is_static { bounds() } else { force.into() })
         };
         let obstacles = 0..system.world.obstacles.len();
         Self {
@@ -97,7 +97,7 @@ impl Course {
             contact_forces: obstacles.map(|obstacle| ticks.iter().enumerate().map(|at| force_of(at, obstacle)).collect()).collect(),
             speed: speed(0.0),
             edge_speed: speed(system.load.radius),
-            dissipated: ticks.iter().map(|row| Some(dissipated(&row.energy).into())).collect(),
+            dissipated: ticks.iter().map(|row| computes.energy.then(|| dissipated(&row.energy).into())).collect(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::doubt::Doubt;
+use super::engine::EngineName;
 use super::seed_runs::{EQUAL, MEASURES, Quantity, SeedRuns};
 use super::seeds::{pairs_needed, pairs_needed_of_fractions};
 use super::settings::Tier;
@@ -17,6 +18,7 @@ use crate::simulation::run_facts::unit_of;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosedLoop {
     pub tier: Tier,
+    pub engine: EngineName,
     pub n_seeds: usize,
     pub first_seed: u64,
     pub measures: Vec<Measure>,
@@ -57,10 +59,10 @@ pub struct Measure {
     pub name: &'static str,
     pub quasi_static: Distribution,
     pub inertial: Distribution,
-    pub rapier: Distribution,
+    pub engine: Distribution,
     /// Inertial minus quasi-static.
     pub inertia_effect: PairedDifference,
-    /// Rapier minus inertial.
+    /// Engine minus inertial.
     pub engine_error: PairedDifference,
     /// Values of every seed, for figures, in the order of
     /// [`BackendKind::COMPARED`](crate::backend::BackendKind::COMPARED).
@@ -79,7 +81,7 @@ pub struct MeasureVerdict {
     pub answers: Answers,
     /// Mean of inertial minus quasi-static, in the unit.
     pub inertia_effect: f64,
-    /// Mean of rapier minus inertial, in the unit.
+    /// Mean of engine minus inertial, in the unit.
     pub engine_error: f64,
     /// Half of the wider confidence interval of both, in the unit; `null` below two pairs.
     pub reference_error: Option<f64>,
@@ -127,17 +129,17 @@ pub struct FirstDifferentDecision {
     /// (s)
     pub quasi_static_s: Option<f64>,
     /// (s)
-    pub rapier_s: Option<f64>,
+    pub engine_s: Option<f64>,
 }
 
 /// Largest difference that rounding can cause, divided by the size of the terms of a measure (1).
 const ROUNDING: f64 = 1e-9;
 
 /// The comparison of all seeds, with the traces of the first.
-pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) -> ClosedLoop {
+pub(super) fn judge(scenario: &Scenario, engine: &EngineName, runs: &[SeedRuns], traces: [Trace; 3]) -> ClosedLoop {
     let measures: Vec<Measure> = (0..MEASURES.len()).map(|at| measure(at, scenario, runs)).collect();
     let earliest = |other: usize| runs.iter().filter_map(|run| run.first_different[other]).min_by(f64::total_cmp);
-    let first_different_decision = FirstDifferentDecision { quasi_static_s: earliest(0), rapier_s: earliest(1) };
+    let first_different_decision = FirstDifferentDecision { quasi_static_s: earliest(0), engine_s: earliest(1) };
     let status = runs.iter().flat_map(|run| run.statuses).max().unwrap_or_default();
     let doubts = doubts(scenario, runs);
     let (verdict, answers) = match status {
@@ -156,6 +158,7 @@ pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) 
     let (n_seeds, first_seed) = (runs.len(), scenario.seed);
     ClosedLoop {
         tier: Tier::ClosedLoop,
+        engine: engine.clone(),
         n_seeds,
         first_seed,
         measures,
@@ -206,14 +209,14 @@ fn measure(at: usize, scenario: &Scenario, runs: &[SeedRuns]) -> Measure {
     };
     let values = runs.iter().map(|run| run.values.each_ref().map(|values| values[at])).collect();
     let (inertia_effect, engine_error) = (paired(1, 0), paired(2, 1));
-    Measure { name, quasi_static: of(0), inertial, rapier: of(2), inertia_effect, engine_error, values }
+    Measure { name, quasi_static: of(0), inertial, engine: of(2), inertia_effect, engine_error, values }
 }
 
 impl Measure {
     /// Whether a run has this quantity. The time to the nest, for instance, exists only for runs
     /// that arrive.
     pub fn exists(&self) -> bool {
-        [&self.quasi_static, &self.inertial, &self.rapier].iter().any(|of| of.n > 0)
+        [&self.quasi_static, &self.inertial, &self.engine].iter().any(|of| of.n > 0)
     }
 
     fn verdict(&self, n_seeds: usize) -> MeasureVerdict {

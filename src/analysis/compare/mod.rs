@@ -1,4 +1,4 @@
-//! Comparison of the three backends: where they agree, and what causes a difference.
+//! Comparison of two exact backends with an engine: where they agree, and what causes a difference.
 //!
 //! There are three tiers, because the paths of ants that decide for themselves separate at the
 //! first decision that differs. [`Tier::Prescribed`] compares paths under prescribed tip motions.
@@ -9,6 +9,7 @@
 //! settings.rs    tiers, steps and tolerances
 //! three_way.rs   the entry: one question to three backends
 //! solution.rs    path of one backend with its numerical error
+//! engine.rs      name of the engine
 //! doubt.rs       why the result of an exact run cannot be trusted, and from when on
 //! same_stop.rs   places that hold both exact loads and that the engine passes
 //! difference.rs  distance of two paths
@@ -37,6 +38,7 @@ mod damping;
 mod difference;
 mod divergence;
 mod doubt;
+mod engine;
 mod ensemble;
 mod jump_mode;
 mod numbers;
@@ -60,6 +62,7 @@ pub(super) use damping::is_damped;
 pub use difference::Difference;
 pub use divergence::Divergence;
 pub use doubt::{Doubt, DoubtKind};
+pub use engine::EngineName;
 pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference, SeedDoubt};
 pub use numbers::{Numbers, Predicted};
 pub use parts::Parts;

@@ -7,11 +7,12 @@ use super::damping::{DampingEffect, is_damped};
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
 use super::doubt::{self, Doubt, DoubtKind};
+use super::engine::EngineName;
 use super::jump_mode::JumpMode;
 use super::numbers::{Numbers, Predicted};
 use super::quantity::{FirstDivergence, Verdicts};
 use super::same_stop::same_stop;
-use super::settings::{Settings, Tier};
+use super::settings::{LEAST_MOTION, Settings, Tier};
 use super::solution::{Question, Solution};
 use super::suggestion::{Differences, Driver, SuggestedChange, Tried};
 use super::verdict::{Cause, InertiaAnswer, Verdict};
@@ -26,16 +27,17 @@ use crate::stop::Stop;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pathwise {
     pub tier: Tier,
+    pub engine: EngineName,
     /// Inertial minus quasi-static.
     pub inertia_effect: Difference,
-    /// Rapier, at the step asked for, minus inertial.
+    /// Engine, at the step asked for, minus inertial.
     pub engine_error: Difference,
     /// Quasi-static minus its rate-independent form; left out without damped springs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_effect: Option<DampingEffect>,
-    /// Part of the engine error that vanishes with the step: rapier minus its own limit.
+    /// Part of the engine error that vanishes with the step: engine minus its own limit.
     pub time_step_error: Difference,
-    /// Part of the engine error that does not vanish: the limit of rapier minus inertial.
+    /// Part of the engine error that does not vanish: the limit of the engine minus inertial.
     pub model_error: Difference,
     pub reference_error: ReferenceError,
     pub numbers: Numbers,
@@ -67,7 +69,7 @@ pub struct Pathwise {
     /// Longest time between two instants at which the paths are compared (s).
     pub sampled_every_s: f64,
     pub first_divergence: FirstDivergence,
-    /// Paths of the quasi-static, inertial and rapier backends.
+    /// Paths of the quasi-static and inertial backends, and of the engine.
     #[serde(rename = "backends", serialize_with = "by_backend")]
     pub solutions: [Solution; 3],
 }
@@ -80,8 +82,8 @@ pub struct ReferenceError {
     pub all: Difference,
     pub quasi_static: Difference,
     pub inertial: Difference,
-    /// Error of rapier's limit, which bounds the error of the model error.
-    pub rapier: Difference,
+    /// Error of the engine's limit, which bounds the error of the model error.
+    pub engine: Difference,
 }
 
 /// Largest edge displacements between the paths. The ranges extend by the reference error.
@@ -124,6 +126,11 @@ impl EdgeDisplacement {
 }
 
 impl Pathwise {
+    /// The runs with their names.
+    pub fn named_runs(&self) -> impl Iterator<Item = (&str, &Solution)> {
+        self.engine.after_exact().into_iter().zip(&self.solutions)
+    }
+
     /// Whether the reference error is known: all macro-steps of both reference runs converged.
     pub fn references_converged(&self) -> bool {
         self.solutions[..2].iter().all(|solution| solution.steps.status == Status::Converged)
@@ -154,15 +161,17 @@ impl Pathwise {
         if self.verdict == Verdict::Inconclusive && self.doubts.is_empty() {
             return vec![SuggestedChange::TighterTolerance { tolerance_m: LARGEST_REFERENCE_ERROR * tolerance }];
         }
-        let [model, model_uncertainty] = [&self.model_error, &self.reference_error.rapier].map(|error| error.edge_displacement_max_m);
+        let [model, model_uncertainty] = [&self.model_error, &self.reference_error.engine].map(|error| error.edge_displacement_max_m);
         let model = (model - model_uncertainty - largest.reference_error_m).max(0.0);
         let radius = scenario.system.load.radius;
         // That of the quasi-static path length alone applies after the changes.
         let tolerance_without_inertia = aim * settings.tolerance_path(self.solutions[0].path_length(radius), radius);
-        let driver = Driver::of(&scenario.system);
-        let differences = Differences { engine: largest.engine_error_m, model, tolerance, tolerance_without_inertia, driver };
+        let (driver, has_springs) = (Driver::of(scenario), !scenario.system.springs.is_empty());
+        let differences = Differences { engine: largest.engine_error_m, model, tolerance, tolerance_without_inertia, driver, has_springs };
         let mode = JumpMode::of(scenario, &self.solutions[0]);
-        let by_inertia = self.causes.contains(&Cause::Inertia);
+        // Nothing brings a load to a tolerance of no motion.
+        let moves_without_inertia = self.solutions[0].path_length(radius) > LEAST_MOTION * radius;
+        let by_inertia = self.causes.contains(&Cause::Inertia) && moves_without_inertia;
         let mut changes = if by_inertia { differences.against_inertia(&largest.by_trigger, &self.predicted, &mode) } else { Vec::new() };
         if self.causes.iter().any(|cause| cause.is_of_engine()) {
             changes.push(differences.against_engine(self.solutions[2].step_s.unwrap_or_default()));
@@ -178,12 +187,12 @@ pub(super) fn needed_reference_error(tolerance_m: f64) -> f64 {
 
 /// The step and the counts of each path.
 fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(["quasi_static", "inertial", "rapier"].into_iter().zip(solutions))
+    serializer.collect_map(["quasi_static", "inertial", "engine"].into_iter().zip(solutions))
 }
 
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
     let options = question.settings.at_fixed_step(question.scenario, BackendKind::Rapier);
-    let engine = question.solution(&options, question.engine, |share| watch(share / 3.0))?;
+    let engine = question.solution(&options, question.engine.1, |share| watch(share / 3.0))?;
     let found = compare_models(question, Some(engine), &watch)?;
     let extras = extras(question, &found, &watch)?;
     if extras.without_restitution.is_none() && extras.rate_independent.is_none() {
@@ -271,20 +280,19 @@ fn judge(question: &Question, mut solutions: [Solution; 3], extras: &Extras) -> 
     let Question { tier, scenario, settings, .. } = *question;
     let n_instants = solutions.iter().map(|solution| solution.points.len()).min().unwrap_or_default();
     solutions.iter_mut().for_each(|solution| solution.shorten_to(n_instants));
-    let [quasi_static, inertial, rapier] = &solutions;
-    let radius = scenario.system.load.radius;
-    let errors = [quasi_static, inertial, rapier].map(|solution| Difference::error_of(&solution.limit, radius));
+    let ([quasi_static, inertial, engine_run], radius) = (&solutions, scenario.system.load.radius);
+    let errors = [quasi_static, inertial, engine_run].map(|solution| Difference::error_of(&solution.limit, radius));
     let reference_error =
-        ReferenceError { all: errors[0].max(&errors[1]), quasi_static: errors[0], inertial: errors[1], rapier: errors[2] };
+        ReferenceError { all: errors[0].max(&errors[1]), quasi_static: errors[0], inertial: errors[1], engine: errors[2] };
     let (jumps, no_jumps) = (Jumps::of(&quasi_static.trace, scenario.control_period), Jumps::default());
     let inertia_effect = Difference::outside_jumps(&inertial.points, &quasi_static.points, radius, &jumps);
-    let engine_error = Difference::between(&rapier.points, &inertial.points, radius);
+    let engine_error = Difference::between(&engine_run.points, &inertial.points, radius);
     let path_length_m = quasi_static.path_length(radius).max(inertial.reach(radius));
     let tolerance_m = settings.tolerance_path(path_length_m, radius);
     let attributed = Attributed::new(&scenario.system, [inertial, quasi_static], &jumps, settings.rate_independent);
     let pair = |paths, jumps, attributed| PathPair::new(paths, scenario, tolerance_m, jumps, attributed);
     let by_inertia = pair([inertial, quasi_static], &jumps, Some(&attributed));
-    let by_engine = pair([rapier, inertial], &no_jumps, None);
+    let by_engine = pair([engine_run, inertial], &no_jumps, None);
     let [inertia, engine, reference] =
         [&inertia_effect, &engine_error, &reference_error.all].map(|difference| difference.edge_displacement_max_m);
     let edge_displacement = EdgeDisplacement::new(inertia, attributed.by_trigger, engine, reference);
@@ -301,11 +309,12 @@ fn judge(question: &Question, mut solutions: [Solution; 3], extras: &Extras) -> 
     let numbers = Numbers::of(scenario, &inertial.trace);
     let mut found = Pathwise {
         tier,
+        engine: question.engine.0.clone(),
         inertia_effect,
         engine_error,
         damping_effect: extras.rate_independent.as_ref().map(|without| DampingEffect::between(scenario, quasi_static, without)),
-        time_step_error: Difference::between(&rapier.points, &rapier.limit, radius),
-        model_error: Difference::between(&rapier.limit, &inertial.limit, radius),
+        time_step_error: Difference::between(&engine_run.points, &engine_run.limit, radius),
+        model_error: Difference::between(&engine_run.limit, &inertial.limit, radius),
         reference_error,
         predicted: numbers.predicted(scenario, [quasi_static, inertial].map(|run| &run.trace), tolerance_m, settings.rate_independent),
         numbers,

@@ -46,7 +46,7 @@ pub struct QuantityVerdict {
     pub decided_by: Option<String>,
     /// Inertial minus quasi-static, in the unit.
     pub inertia_effect: f64,
-    /// Rapier minus inertial, in the unit.
+    /// Engine minus inertial, in the unit.
     pub engine_error: f64,
     /// Numerical error of quasi-static and inertial, in the unit.
     pub reference_error: f64,
@@ -98,15 +98,13 @@ impl Verdicts {
         [path, heading, pulls, contacts, speed, energy]
     }
 
-    /// Those that say something: without a spring that is ever attached there are no pulls, and
-    /// without an obstacle that is ever touched no contact forces.
+    /// Those that say something: without a spring that is ever attached there are no pulls, without
+    /// an obstacle that is ever touched no contact forces, and an engine may not compute all.
     pub fn shown(&self) -> impl Iterator<Item = (&'static str, &QuantityVerdict)> {
-        let has_pulls = self.pulls.measures.iter().any(|measure| measure.spring.is_some());
-        let has_contacts = !self.contacts.measures.is_empty();
-        self.named().into_iter().filter(move |(name, _)| match *name {
-            "pulls" => has_pulls,
-            "contacts" => has_contacts,
-            _ => true,
+        self.named().into_iter().filter(|(name, of)| match *name {
+            "path" | "heading" => true,
+            "pulls" => of.measures.iter().any(|measure| measure.spring.is_some()),
+            _ => !of.measures.is_empty(),
         })
     }
 
@@ -229,9 +227,10 @@ impl QuantityVerdict {
         largest.unwrap_or(range(self.differences()[which], self.reference_error, self.tolerance))
     }
 
-    /// Verdict on several numbers in one `unit`. The tolerance of each is this `share` (1) of the
-    /// largest number of its name, or of `least` if that is more. `diverges` gives the first
-    /// divergence at an instant (s) of inertia effect (0) or engine error (1).
+    /// Verdict on those of several numbers in one `unit` that every run has. The tolerance of each
+    /// is this `share` (1) of the largest number of its name, or of `least` if that is more.
+    /// `diverges` gives the first divergence at an instant (s) of inertia effect (0) or engine
+    /// error (1).
     pub(super) fn on(
         reduced: &[Reduced],
         (share, least): (f64, f64),
@@ -240,7 +239,8 @@ impl QuantityVerdict {
         diverges: impl Fn(usize, f64) -> Divergence,
     ) -> Self {
         let mut largest: HashMap<&str, f64> = HashMap::new();
-        for one in reduced {
+        let reduced: Vec<&Reduced> = reduced.iter().filter(|one| one.exists()).collect();
+        for one in &reduced {
             let largest = largest.entry(one.scale).or_insert(least);
             *largest = largest.max(one.size());
         }
@@ -293,7 +293,7 @@ mod tests {
             obstacle: None,
             quasi_static: 0.0,
             inertial: 0.0,
-            rapier: 0.0,
+            engine: 0.0,
             inertia_effect,
             engine_error,
             reference_error: 0.0,

@@ -6,7 +6,7 @@ use super::course::{Course, Ranged, Signal};
 use super::parts::{Others, Parts};
 use super::verdict::Verdict;
 
-/// One number of a run on the three backends.
+/// One number of a run on the exact backends and the engine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RunMeasure {
     /// Such as `peak pull`.
@@ -19,7 +19,7 @@ pub struct RunMeasure {
     pub obstacle: Option<usize>,
     pub quasi_static: f64,
     pub inertial: f64,
-    pub rapier: f64,
+    pub engine: f64,
     /// Distance of inertial from quasi-static, outside of what no law determines.
     pub inertia_effect: f64,
     /// Distance of the engine from inertial, outside of what no law determines.
@@ -53,7 +53,7 @@ pub(super) struct Reduced<'a> {
     pub scale: &'static str,
     spring: Option<usize>,
     obstacle: Option<usize>,
-    /// Quasi-static, inertial and rapier.
+    /// Quasi-static, inertial and engine.
     signals: [&'a Signal; 3],
     /// The less exact runs beside the first two.
     companions: [Option<&'a Signal>; 2],
@@ -105,7 +105,7 @@ impl Courses {
         of_springs.chain(net.map(|(name, kind)| self.reduced(name, kind, |course| &course.net_pull))).collect()
     }
 
-    /// Peak and mean force of each obstacle that a load ever touches, if every run shows it.
+    /// Peak and mean force of each obstacle that a load ever touches.
     pub fn contacts(&self) -> Vec<Reduced<'_>> {
         let is_touched = |obstacle: &usize| {
             let forces = self.runs.iter().flat_map(|course| &course.contact_forces[*obstacle]);
@@ -117,7 +117,7 @@ impl Courses {
                 ..self.reduced(name, kind, move |course| &course.contact_forces[obstacle])
             })
         };
-        (0..self.runs[0].contact_forces.len()).filter(is_touched).flat_map(of_obstacle).filter(Reduced::exists).collect()
+        (0..self.runs[0].contact_forces.len()).filter(is_touched).flat_map(of_obstacle).collect()
     }
 
     /// Speeds of the centre and of the edge. The tolerance of both is a share of the latter: a load
@@ -159,19 +159,19 @@ impl Reduced<'_> {
         let numbers = self.signals.map(|signal| self.kind.number(signal));
         let error = |at: usize| self.companions[at].map_or(0.0, |companion| self.kind.number(companion).gap(&numbers[at]));
         let others = self.others.map(|signal| self.kind.number(signal).value);
-        let [quasi_static, inertial, rapier] = numbers.map(|number| number.value);
+        let [quasi_static, inertial, engine] = numbers.map(|number| number.value);
         RunMeasure {
             name: self.name,
             spring: self.spring,
             obstacle: self.obstacle,
             quasi_static,
             inertial,
-            rapier,
+            engine,
             inertia_effect: numbers[1].gap(&numbers[0]),
             engine_error: numbers[2].gap(&numbers[1]),
             reference_error: error(0).max(error(1)),
             tolerance,
-            parts: Parts::of_numbers([quasi_static, inertial, rapier], &others),
+            parts: Parts::of_numbers([quasi_static, inertial, engine], &others),
             undetermined: numbers[..2].iter().map(|number| number.high - number.low).fold(0.0, f64::max),
         }
     }

@@ -19,8 +19,8 @@ pub struct SeedRuns {
     /// First reason to doubt an exact run; left out if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) doubt: Option<Doubt>,
-    /// First time at which decisions of the quasi-static run and of rapier differ from those of the
-    /// inertial run (s).
+    /// First time at which decisions of the quasi-static run and of the engine differ from those of
+    /// the inertial run (s).
     pub(super) first_different: [Option<f64>; 2],
 }
 
@@ -68,7 +68,7 @@ fn mean_attached(trace: &Trace) -> Option<f64> {
 
 /// Runs the seed `at` places after the scenario's on all backends.
 pub(super) fn seed_runs(question: &Question, at: usize, watch: impl Fn(f64) -> bool) -> Option<(SeedRuns, [Trace; 3])> {
-    let Question { scenario, settings, engine, references: exact, .. } = *question;
+    let Question { scenario, settings, engine: (_, engine), references: exact, .. } = *question;
     let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
     let run = |nth: u32, kind, make: &MakeBackend| {
         let question = Question { scenario: &seeded, ..*question };

@@ -16,8 +16,9 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::engine::EngineName;
 use super::settings::{MakeController, Settings, Tier};
-use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
+use crate::backend::{BackendKind, BackendOptions, Computes, PoseError, StepReport};
 use crate::math::Pose;
 use crate::scenario::Scenario;
 use crate::simulation::{Account, Controller, DoubtTimes, Keep, MakeBackend, Outcome, Row, Simulation, Trace};
@@ -28,6 +29,8 @@ use crate::stop::Stop;
 pub struct Solution {
     #[serde(skip)]
     pub kind: BackendKind,
+    #[serde(skip)]
+    pub computes: Computes,
     /// Path in the limit of small steps, with its error.
     #[serde(skip)]
     pub limit: Vec<Point>,
@@ -73,8 +76,8 @@ pub(super) struct Question<'a> {
     pub tier: Tier,
     pub scenario: &'a Scenario,
     pub settings: &'a Settings,
-    /// Makes rapier, or what replaces it.
-    pub engine: &'a MakeBackend<'a>,
+    /// Makes rapier, or what replaces it, with its name.
+    pub engine: (&'a EngineName, &'a MakeBackend<'a>),
     /// Makes the quasi-static and the inertial backend.
     pub references: &'a MakeBackend<'a>,
     pub controller: &'a MakeController<'a>,
@@ -124,10 +127,12 @@ impl Solution {
         if !run.is_finished() {
             return None;
         }
+        let computes = run.computes();
         let (trace, outcome) = run.into_results();
         let limit: Vec<Point> = trace.rows.iter().map(Point::of).collect();
         Some(Self {
             kind: options.kind,
+            computes,
             points: limit.clone(),
             limit,
             trace,
@@ -158,7 +163,7 @@ impl Solution {
                 done[level as usize].store((share * time / scenario.duration).to_bits(), Relaxed);
                 watch(done.iter().map(|part| f64::from_bits(part.load(Relaxed))).sum())
             });
-            run.is_finished().then(|| (options.step_s, run.into_results()))
+            run.is_finished().then(|| ((options.step_s, run.computes()), run.into_results()))
         };
         // The longest first: two threads then end at about the same time.
         let mut levels: Vec<_> =
@@ -176,12 +181,12 @@ impl Solution {
         let mut steps = StepReport::default();
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
         let failed_at = levels.iter().filter_map(|(_, (_, outcome))| outcome.failed_at).reduce(f64::min);
-        let (step_s, (trace, Outcome { account, .. })) = levels.remove(if is_engine { 0 } else { 2 });
+        let ((step_s, computes), (trace, Outcome { account, .. })) = levels.remove(if is_engine { 0 } else { 2 });
         let mut rows_of = |at: usize| std::mem::take(&mut levels[at].1.0.rows);
         let finer = is_engine.then(|| [rows_of(0), rows_of(1)]);
         // Only the exact runs of a comparison are doubted, and they are under error control.
         let doubtful = DoubtTimes::default();
-        Some(Self { kind: options.kind, limit, points, trace, finer, step_s: Some(step_s), steps, account, failed_at, doubtful })
+        Some(Self { kind: options.kind, computes, limit, points, trace, finer, step_s: Some(step_s), steps, account, failed_at, doubtful })
     }
 
     /// Adds the distance from a less exact path to the error of this one, from there on. Both have

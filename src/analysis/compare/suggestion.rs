@@ -5,8 +5,7 @@ use serde::Serialize;
 use super::jump_mode::JumpMode;
 use super::numbers::Predicted;
 use crate::analysis::trigger::ByTrigger;
-use crate::model::System;
-use crate::scenario::Scenario;
+use crate::scenario::{Drive, Scenario, TipPath};
 
 /// One change of the scene or the engine that reduces one cause, by the law of that cause.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -88,6 +87,7 @@ pub(super) struct Differences {
     /// Tolerance from the quasi-static path length alone, which applies after the change (m).
     pub tolerance_without_inertia: f64,
     pub driver: Driver,
+    pub has_springs: bool,
 }
 
 /// What drives the load, and can be slower.
@@ -99,9 +99,14 @@ pub(super) enum Driver {
 }
 
 impl Driver {
-    pub fn of(system: &System) -> Self {
-        match system.world.obstacles.iter().any(|obstacle| obstacle.path.moves()) {
-            _ if !system.springs.is_empty() => Driver::Tips,
+    pub fn of(scenario: &Scenario) -> Self {
+        let moves = |path: &TipPath| path.waypoints.windows(2).any(|pair| pair[0].position != pair[1].position);
+        let tips_move = match &scenario.drive {
+            Drive::Tips(paths) => paths.iter().any(moves),
+            Drive::Ants(_) => true,
+        };
+        match scenario.system.world.obstacles.iter().any(|obstacle| obstacle.path.moves()) {
+            _ if tips_move => Driver::Tips,
             true => Driver::Obstacles,
             false => Driver::Nothing,
         }
@@ -135,8 +140,8 @@ impl Differences {
     pub fn against_inertia(&self, effect: &ByTrigger, predicted: &Predicted, mode: &JumpMode) -> Vec<SuggestedChange> {
         let aim = AIM * self.tolerance_without_inertia;
         let ByTrigger { start_m: start, jumps_m: mut jumps, driving_m: mut driving, .. } = *effect;
-        if self.driver != Driver::Tips {
-            // Only what drives the load makes it jump, and there are no springs to be damped.
+        if !self.has_springs {
+            // Only what drives the load makes it jump, and there is nothing to be damped.
             (driving, jumps) = (driving.max(jumps), 0.0);
         }
         // Tips may stop before the lag is largest. Slower tips, or a start at rest, show all of it.
@@ -182,7 +187,7 @@ mod tests {
     use super::*;
 
     const DIFFERENCES: Differences =
-        Differences { engine: 2e-3, model: 0.0, tolerance: 1e-3, tolerance_without_inertia: 1e-3, driver: Driver::Tips };
+        Differences { engine: 2e-3, model: 0.0, tolerance: 1e-3, tolerance_without_inertia: 1e-3, driver: Driver::Tips, has_springs: true };
 
     #[test]
     fn a_time_step_error_needs_a_smaller_step_and_a_model_error_another_model() {
@@ -202,8 +207,9 @@ mod tests {
         let mut scenario = Scenario::parse(include_str!("../../../scenarios/contact/pusher.json"), "pushed").unwrap();
         let effect = ByTrigger { driving_m: 16.0 * AIM * 1e-3, ..ByTrigger::default() };
         let mode = JumpMode { zeta: 0.0, zeta_of_unit: 1.0 };
-        let changes = |driver| Differences { driver, ..DIFFERENCES }.against_inertia(&effect, &Predicted::default(), &mode);
-        let [change] = changes(Driver::of(&scenario.system))[..] else { panic!("one change expected") };
+        let changes =
+            |driver| Differences { driver, has_springs: false, ..DIFFERENCES }.against_inertia(&effect, &Predicted::default(), &mode);
+        let [change] = changes(Driver::of(&scenario))[..] else { panic!("one change expected") };
         let SuggestedChange::SlowerObstacles { factor } = change else { panic!("{change:?}") };
         // Rounding of a square root.
         assert!((factor - 0.25).abs() < 1e-15);
@@ -211,10 +217,13 @@ mod tests {
         let end = scenario.system.world.obstacles[0].path.waypoints[1].0;
         assert!((end - 4.0).abs() < 1e-14 && (scenario.duration - 4.0).abs() < 1e-14, "{end} {}", scenario.duration);
         let jump = ByTrigger { jumps_m: 16.0 * AIM * 1e-3, ..ByTrigger::default() };
-        let driver = Driver::of(&scenario.system);
-        assert_eq!(Differences { driver, ..DIFFERENCES }.against_inertia(&jump, &Predicted::default(), &mode), [change]);
+        let driver = Driver::of(&scenario);
+        assert_eq!(
+            Differences { driver, has_springs: false, ..DIFFERENCES }.against_inertia(&jump, &Predicted::default(), &mode),
+            [change]
+        );
         scenario.system.world.obstacles.clear();
-        assert_eq!(changes(Driver::of(&scenario.system)), []);
+        assert_eq!(changes(Driver::of(&scenario)), []);
     }
 
     #[test]

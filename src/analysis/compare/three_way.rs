@@ -1,10 +1,12 @@
 //! The entry to a comparison: one question to three backends.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
+use super::engine::EngineName;
 use super::ensemble::{self, ClosedLoop};
 use super::pathwise::{self, Pathwise};
 use super::seed_runs::{self, SeedRuns};
@@ -15,8 +17,7 @@ use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, Trace, backend_of, controller_of};
 use crate::stop::Stop;
 
-/// A comparison of the quasi-static and inertial backends with rapier, or with an engine of your
-/// own.
+/// A comparison of the quasi-static and inertial backends with rapier, or with another engine.
 ///
 /// All methods call `watch` with the share done (1). If it answers `false`, the comparison stops
 /// and returns `None`.
@@ -44,23 +45,32 @@ use crate::stop::Stop;
 pub struct ThreeWay<'a> {
     scenario: &'a Scenario,
     settings: &'a Settings,
-    engine: &'a MakeBackend<'a>,
+    engine: (&'a EngineName, &'a MakeBackend<'a>),
     references: &'a MakeBackend<'a>,
     controller: &'a MakeController<'a>,
 }
+
+static RAPIER: EngineName = EngineName { name: Cow::Borrowed("rapier"), version: None };
+static UNNAMED: EngineName = EngineName { name: Cow::Borrowed("engine"), version: None };
 
 /// Share of the time of a replayed comparison that the recorded run takes (1).
 const RECORDING: f64 = 0.05;
 
 impl<'a> ThreeWay<'a> {
     pub fn new(scenario: &'a Scenario, settings: &'a Settings) -> Self {
-        Self { scenario, settings, engine: &backend_of, references: &backend_of, controller: &controller_of }
+        Self { scenario, settings, engine: (&RAPIER, &backend_of), references: &backend_of, controller: &controller_of }
     }
 
-    /// Replaces rapier by an engine of your own. Each comparison of paths makes three: at the step
-    /// of the settings, at a half and at a quarter of it.
-    pub fn engine(self, engine: &'a MakeBackend<'a>) -> Self {
-        Self { engine, ..self }
+    /// Replaces rapier by another engine, which is called "engine" until it is
+    /// [`named`](ThreeWay::named). Each comparison of paths makes three: at the step of the
+    /// settings, at a half and at a quarter of it.
+    pub fn engine(self, make: &'a MakeBackend<'a>) -> Self {
+        Self { engine: (&UNNAMED, make), ..self }
+    }
+
+    /// Names the engine, in all results.
+    pub fn named(self, name: &'a EngineName) -> Self {
+        Self { engine: (name, self.engine.1), ..self }
     }
 
     /// Replaces what makes the quasi-static and the inertial backend, for instance by what observes
@@ -169,6 +179,6 @@ impl<'a> ThreeWay<'a> {
     /// Without a seed.
     pub fn judged(&self, seeds: &[SeedRuns], first: [Trace; 3]) -> ClosedLoop {
         assert!(!seeds.is_empty(), "a comparison over seeds needs at least one");
-        ensemble::judge(self.scenario, seeds, first)
+        ensemble::judge(self.scenario, self.engine.0, seeds, first)
     }
 }

@@ -46,6 +46,8 @@ impl Runs<'_> {
         let times = &courses.runs[0].times;
         let diverges = |which: usize, time: f64| pairs[which].divergence_at(time);
         let [pull, speed, energy] = least_sizes(scenario);
+        let kinetic = self.solutions[1].trace.rows.iter().map(|row| row.energy.kinetic).fold(0.0, f64::max);
+        let energy = energy.max(LEAST_MOTION * kinetic);
         let of = |reduced: &[_], share: f64, least: f64, unit| QuantityVerdict::on(reduced, (share, least), times, unit, diverges);
         let (pulls, contacts, speeds) = (courses.pulls(), courses.contacts(), courses.speeds());
         let mut verdicts = Verdicts {
@@ -61,7 +63,9 @@ impl Runs<'_> {
             speed: of(&speeds, settings.tolerance_speed_share, speed, "m/s"),
             energy: of(&courses.energy(), settings.tolerance_energy_share, energy, "J"),
         };
-        if self.solutions[..2].iter().any(|solution| solution.steps.is_indeterminate && solution.trace.rows.iter().any(Row::touches_two)) {
+        // Forces of which each law admits others may be equal all the same.
+        let may_differ = |of: &Solution| of.steps.is_indeterminate && of.trace.rows.iter().any(Row::touches_two);
+        if verdicts.contacts.verdict != Verdict::Agree && self.solutions[..2].iter().any(may_differ) {
             verdicts.contacts.leave_open();
         }
         let reaches = |solution: &Solution| solution.reach(scenario.system.load.radius) > self.least_motion();
@@ -144,7 +148,7 @@ impl Runs<'_> {
     fn courses(&self) -> Courses {
         let Self { scenario, solutions, jumps, .. } = self;
         let blanks: Vec<f64> = solutions.iter().flat_map(|solution| blanks(&solution.trace, scenario)).collect();
-        let course = |solution: &Solution, rows: &[Row]| Course::of(solution.kind, rows, &blanks, scenario, jumps);
+        let course = |solution: &Solution, rows: &[Row]| Course::of((solution.kind, solution.computes), rows, &blanks, scenario, jumps);
         let companion = |solution: &Solution| {
             let rows = &solution.trace.companion;
             (!rows.is_empty()).then(|| course(solution, rows))
@@ -166,7 +170,8 @@ fn least_motion(scenario: &Scenario) -> f64 {
 }
 
 /// Sizes of pull (N), speed (m/s) and energy (J) below which nothing is compared: those of a load
-/// that moves by a millionth of its radius, within a control period.
+/// that moves by a millionth of its radius, within a control period. A millionth of the kinetic
+/// energy is no loss either.
 pub(super) fn least_sizes(scenario: &Scenario) -> [f64; 3] {
     let (system, length) = (&scenario.system, least_motion(scenario));
     let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);

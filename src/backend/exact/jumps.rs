@@ -22,6 +22,10 @@ const ROUNDING: f64 = 1e-12;
 /// Relative rounding of the energies of a run, of which the defect of a step is a difference (1).
 const SNAP_ROUNDING: f64 = 1e-13;
 
+/// Rounding of the places of a load and an obstacle, over their distance from the world's origin
+/// (1): some roundings of numbers of that size.
+const ROUNDED_PLACE: f64 = 16.0 * f64::EPSILON;
+
 impl Exact<QuasiStatic> {
     /// Moves the load from where an attached or released spring has left it to the balance for tips
     /// that stand still. The friction of a long path depends on the path, here one constant twist.
@@ -97,6 +101,16 @@ impl Exact<QuasiStatic> {
         TransitionKind::Jump { shift, turn: pose.heading - start.pose.heading, energy, is_uncertain }
     }
 
+    /// Energy that the last step may have mistaken at obstacles (J), whose work is a force along a
+    /// difference of places.
+    fn uncertainty_at_obstacles(&self) -> f64 {
+        if self.obstacles.is_none() {
+            return 0.0;
+        }
+        let distance = self.state.motion.pose.position.norm() + self.system.load.radius;
+        self.state.side.uncertainty + ROUNDED_PLACE * distance * self.system.total_slip_limit()
+    }
+
     /// Completes a snap-through. The balance ends where the energy of the springs is no longer
     /// convex, and the load moves to another balance while the tips move. The energy that is
     /// missing since `start` is more than the error of the trapezoid rule on a smooth path: of the
@@ -109,7 +123,7 @@ impl Exact<QuasiStatic> {
     ) -> Option<TransitionKind> {
         let energy = &self.state.energy;
         let missing = start.defect - energy.defect();
-        let rounding = SNAP_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic) + self.state.side.uncertainty;
+        let rounding = SNAP_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic) + self.uncertainty_at_obstacles();
         if missing < -rounding {
             report.work_error_j += allowed(self).min(-missing);
             return None;

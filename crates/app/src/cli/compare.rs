@@ -13,16 +13,18 @@ use super::console::{self, Tone};
 use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, warn_idle};
 use super::error::CliError;
+use super::foreign::ForeignArgs;
 use super::input::{check_step, name_of, read_scenario, read_text};
 use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::{self, Finished};
 use super::threshold::threshold;
 use super::vary::{VaryArgs, vary};
-use super::watch::{watched_by, watched_to_end};
+use super::watch::{Watch, watched_by, watched_to_end};
 use cohaul::analysis::compare::{ClosedLoop, InertiaAnswer, MeasureVerdict, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict};
 use cohaul::analysis::{DEFAULT_SEEDS, ExpectedCost};
-use cohaul::backend::{BackendKind, Skip, Skips};
+use cohaul::backend::{BackendKind, BackendOptions, Skip, Skips};
 use cohaul::scenario::{Drive, Scenario};
+use cohaul_engines::Engine;
 use cohaul_report::json;
 use cohaul_report::progress::Progress;
 use cohaul_report::traces::TraceFormat;
@@ -39,19 +41,15 @@ use cohaul_studies::variants::names;
 Examples:
   cohaul compare scenarios/analytic/release-jump.json
   cohaul compare scene.json --tier replayed --verbose
-  cohaul compare ants.json --seeds 32 --out out/compare
-  cohaul compare scene.json --fail-on engine
+  cohaul compare ants.json --seeds 32
   cohaul compare scene.json --beside camera.csv
   cohaul compare scene.json --vary load.mass_kg=log:0.1:10:12 --out out/map
   cohaul compare scene.json --threshold speed
+  cohaul compare scene.json --engine ./my_engine --fail-on engine
 
-Files in DIR: report.html, overview figures, summary.json and manifest.json,
-with --traces those of all runs; with --vary report.html, map.csv, map.svg,
-summary.json and manifest.json; with --threshold report.html, points.csv,
-threshold.svg, summary.json and manifest.json. Maps and thresholds have figures
-for print too, of 88 and 180 mm, as SVG and PDF. The seeds of an interrupted
-closed loop and the points of an interrupted map or search are kept in
-DIR.journal.")]
+Files in DIR: report.html, figures, summary.json, manifest.json; map.csv or
+points.csv and figures for print (88 and 180 mm, SVG and PDF) of maps and
+thresholds. What was interrupted is kept in DIR.journal.")]
 pub struct CompareArgs {
     /// Scenario file; - for standard input
     scenario: PathBuf,
@@ -121,12 +119,14 @@ pub struct CompareArgs {
     ///
     /// Columns of the table: time_s, x_m, y_m and heading_rad.
     /// The path is compared with those of the first tier of paths.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     beside: Option<PathBuf>,
     #[command(flatten)]
     vary: VaryArgs,
     #[command(flatten)]
     engine: EngineArgs,
+    #[command(flatten)]
+    foreign: ForeignArgs,
     #[command(flatten)]
     strict: StrictArgs,
     #[command(flatten)]
@@ -147,7 +147,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     }
     let scenario = read_scenario(&args.scenario, args.seed)?;
     check_step(args.step_s, &scenario)?;
-    let asked = tiers_of(&scenario, &args.tier)?;
+    let asked = tiers_of(&scenario, args)?;
     let n_seeds = args.seeds.unwrap_or(DEFAULT_SEEDS);
     check_seeds(n_seeds, scenario.seed)?;
     warn_of_idle_tiers(args, &asked);
@@ -166,17 +166,22 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     warn_of_cost("compare", &scenario, &whole);
     let (started, clock) = (SystemTime::now(), Instant::now());
     let (mut found, mut seeds) = (Tiers::default(), None);
-    let runs = ThreeWay::new(&scenario, &settings);
-    for tier in asked {
-        match tier {
-            Tier::ClosedLoop => {
-                let asked = json!({ "scenario_sha256": scenario.hash(), "n_seeds": n_seeds, "settings": settings });
-                let (compared, finished) = closed_loop(runs, n_seeds, &asked, args.output.out.as_deref())?;
-                (found.closed_loop, seeds) = (Some(compared), Some(finished));
+    args.foreign.with(&scenario, &settings, |engine| {
+        let make = |scenario: &Scenario, options: &BackendOptions| engine.expect("there is one").backend(scenario, options);
+        let runs = ThreeWay::new(&scenario, &settings);
+        let runs = engine.map_or(runs, |engine| runs.engine(&make).named(engine.name()));
+        for tier in asked {
+            match tier {
+                Tier::ClosedLoop => {
+                    let asked = json!({ "scenario_sha256": scenario.hash(), "n_seeds": n_seeds, "settings": settings });
+                    let (compared, finished) = closed_loop(runs, n_seeds, &asked, args.output.out.as_deref())?;
+                    (found.closed_loop, seeds) = (Some(compared), Some(finished));
+                }
+                tier => add_paths(&mut found, tier, (runs, engine), [cost_of(&tier), whole].map(|cost| cost.time_s))?,
             }
-            tier => add_paths(&mut found, tier, runs, [cost_of(&tier), whole].map(|cost| cost.time_s))?,
         }
-    }
+        Ok(())
+    })?;
     let mut comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
     if let (Some(path), Some(trace)) = (&args.beside, recorded) {
         comparison.lay_beside(&name_of(path), trace).map_err(|rule| CliError::Usage(format!("--beside: {rule}")))?;
@@ -227,6 +232,7 @@ fn check_map(args: &CompareArgs, by: &str) -> Result<(), CliError> {
         ("--fail-on", !args.fail_on.is_empty()),
         ("--beside", args.beside.is_some()),
         ("--traces", args.traces.is_some()),
+        ("--engine", args.foreign.is_given()),
     ];
     check_left_out(&options, by)?;
     args.output.check()
@@ -327,11 +333,22 @@ fn tone(tiers: &Tiers) -> Tone {
 
 /// Runs a comparison of paths that is expected to take this time on one core, and the whole command
 /// this time (s).
-fn add_paths(tiers: &mut Tiers, tier: Tier, runs: ThreeWay, [time_s, whole_s]: [f64; 2]) -> Result<(), CliError> {
+fn add_paths(
+    tiers: &mut Tiers,
+    tier: Tier,
+    (runs, engine): (ThreeWay, Option<&Engine>),
+    [time_s, whole_s]: [f64; 2],
+) -> Result<(), CliError> {
     let progress = Progress::of_share(&list(&[tier])).expecting(time_s).as_part_of(whole_s);
+    let goes_on = |watch: Watch, share: f64| watch(share) && engine.is_none_or(Engine::is_well);
     match tier {
-        Tier::Prescribed => tiers.prescribed = Some(watched_by(progress, |watch| runs.prescribed(watch)).ok_or(CliError::Interrupted)?),
-        Tier::Replayed => tiers.replayed = Some(watched_by(progress, |watch| runs.replayed(watch)).ok_or(CliError::Interrupted)?),
+        Tier::Prescribed => {
+            tiers.prescribed =
+                Some(watched_by(progress, |watch| runs.prescribed(|share| goes_on(watch, share))).ok_or(CliError::Interrupted)?)
+        }
+        Tier::Replayed => {
+            tiers.replayed = Some(watched_by(progress, |watch| runs.replayed(|share| goes_on(watch, share))).ok_or(CliError::Interrupted)?)
+        }
         Tier::ClosedLoop | Tier::Controlled => unreachable!("the closed loop has seeds, and the command line no own controllers"),
     }
     Ok(())
@@ -367,15 +384,20 @@ fn list(tiers: &[Tier]) -> String {
     tiers.iter().map(|tier| names::<Tier>()[*tier as usize].replace('_', "-")).collect::<Vec<_>>().join(", ")
 }
 
-/// The tiers asked for, or all that the scenario has.
-fn tiers_of(scenario: &Scenario, asked: &[Tier]) -> Result<Vec<Tier>, CliError> {
-    let possible: &[Tier] = match scenario.drive {
-        Drive::Tips(_) => &[Tier::Prescribed],
-        Drive::Ants(_) => &[Tier::Replayed, Tier::ClosedLoop],
+/// The tiers asked for, or all that the scenario has. An engine of the user has no closed loop.
+fn tiers_of(scenario: &Scenario, args: &CompareArgs) -> Result<Vec<Tier>, CliError> {
+    let (asked, has_engine) = (&args.tier, args.foreign.is_given());
+    let (possible, what): (&[Tier], _) = match scenario.drive {
+        Drive::Tips(_) => (&[Tier::Prescribed], "a scenario with this drive"),
+        Drive::Ants(_) if has_engine => (&[Tier::Replayed], "ants with --engine"),
+        Drive::Ants(_) => (&[Tier::Replayed, Tier::ClosedLoop], "a scenario with this drive"),
     };
+    if has_engine {
+        check_left_out(&args.engine.given(), "--engine")?;
+    }
     if let Some(tier) = asked.iter().find(|tier| !possible.contains(tier)) {
-        let text = format!("--tier: must be one of {} for a scenario with this drive, found {}", list(possible), list(&[*tier]));
+        let text = format!("--tier: must be one of {} for {what}, found {}", list(possible), list(&[*tier]));
         return Err(CliError::Usage(text));
     }
-    Ok(if asked.is_empty() { possible.to_vec() } else { asked.to_vec() })
+    Ok(if asked.is_empty() { possible.to_vec() } else { asked.clone() })
 }

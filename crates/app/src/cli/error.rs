@@ -38,6 +38,8 @@ pub enum CliError {
     Usage(String),
     #[error(transparent)]
     Sweep(#[from] SweepError),
+    #[error("{0}")]
+    Engine(String),
     #[error("interrupted")]
     Interrupted,
     #[error("stopped after {work}; the same command continues from {}", path.display())]
@@ -58,6 +60,7 @@ impl CliError {
             CliError::Folder(error) => of_folder(error),
             CliError::Journal(error) => of_journal(error),
             CliError::Sweep(error) => of_sweep(error),
+            CliError::Engine(_) => Exit::Failed,
             CliError::Interrupted | CliError::Stopped { .. } => Exit::Interrupted,
             _ => Exit::Input,
         }

@@ -6,6 +6,8 @@ use std::process::ExitCode;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Exit {
+    /// A check did not hold, or an engine of the user did not work.
+    Failed = 1,
     /// The input: an option, a file that is read, or what is in it.
     Input = 2,
     /// A defect of the program.
@@ -27,7 +29,7 @@ impl From<Exit> for ExitCode {
 /// Every exit code of the program, with its meaning.
 pub const EXIT_CODES: [(u8, &str); 7] = [
     (0, "done"),
-    (1, "a run failed, or a check did not hold"),
+    (Exit::Failed as u8, "a run failed, or a check did not hold"),
     (Exit::Input as u8, "wrong usage or input, or an input file that cannot be read"),
     (Exit::Internal as u8, "internal error; please report it"),
     (Exit::Output as u8, "output cannot be written: a full disk, or a missing permission"),

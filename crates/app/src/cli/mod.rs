@@ -11,6 +11,7 @@ mod engine;
 mod error;
 mod exit;
 mod explain;
+mod foreign;
 mod generate;
 mod help;
 mod input;

@@ -1,6 +1,5 @@
 //! What figures are drawn of: traces with their names, and the surroundings of the load.
 
-use cohaul::backend::BackendKind;
 use cohaul::math::Vec2;
 use cohaul::model::World;
 use cohaul::scenario::{Drive, Scenario};
@@ -17,9 +16,9 @@ pub struct Labelled<'a> {
 }
 
 impl<'a> Labelled<'a> {
-    /// Traces of the backends that are compared, in their order.
-    pub fn compared(traces: impl IntoIterator<Item = &'a Trace>) -> Vec<Self> {
-        BackendKind::COMPARED.iter().zip(traces).map(|(kind, trace)| Self { label: kind.name(), trace }).collect()
+    /// Traces of the runs that are compared, with their names.
+    pub fn compared(names: [&'a str; 3], traces: impl IntoIterator<Item = &'a Trace>) -> Vec<Self> {
+        names.into_iter().zip(traces).map(|(label, trace)| Self { label, trace }).collect()
     }
 }
 

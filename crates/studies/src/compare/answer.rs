@@ -78,17 +78,18 @@ pub fn sentence_of_paths(found: &Pathwise) -> String {
 /// What is known in spite of a doubt: differences beyond the tolerance before it.
 fn known_sentences(found: &Pathwise) -> Vec<String> {
     let is_known = |of: fn(&QuantityVerdict) -> Answer| found.verdicts.shown().any(|(_, verdict)| of(verdict) == Answer::No);
-    let inertia = is_known(is_valid).then(|| format!("Quasi-static is not valid for {}.", list(&with_answer(found, Answer::No))));
-    let engine = is_known(engine_is_within).then(|| format!("The engine error of rapier exceeds the tolerance for {}.", beyond(found)));
+    let inertia = is_known(is_valid).then(|| format!("Quasi-static is not valid for {}.", list(&with_answer(found, Answer::No, |_| true))));
+    let engine = is_known(engine_is_within)
+        .then(|| format!("The engine error of {} exceeds the tolerance for {}.", found.engine.name, beyond(found)));
     inertia.into_iter().chain(engine).collect()
 }
 
 /// Which runs failed and when, in words.
 pub fn failed_runs(found: &Pathwise) -> String {
-    let failed = found.solutions.iter().filter(|solution| solution.steps.status == Status::Failed);
-    let in_words = |solution: &Solution| {
+    let failed = found.named_runs().filter(|(_, solution)| solution.steps.status == Status::Failed);
+    let in_words = |(name, solution): (&str, &Solution)| {
         let time = solution.failed_at.map(|time| format!(" at {}", short_quantity(time, "s")));
-        format!("the {} run failed{}", solution.kind.name(), time.unwrap_or_default())
+        format!("the {name} run failed{}", time.unwrap_or_default())
     };
     let mut failed: Vec<String> = failed.map(in_words).collect();
     // Without an engine the inertial run stands for two.
@@ -97,16 +98,19 @@ pub fn failed_runs(found: &Pathwise) -> String {
 }
 
 fn nothing_moved(found: &Pathwise) -> String {
+    let is_pulled = found.verdicts.pulls.measures.iter().any(|measure| measure.quasi_static.max(measure.inertial) > 0.0);
     let pull = match found.largest_pull_over_slip_limit {
         Some(0.0) => "nothing pulls the load".to_owned(),
         Some(share) => format!("the largest net pull is {} % of the slip limit", short(100.0 * share)),
+        None if is_pulled => "there is no friction".to_owned(),
         None => "there is no friction, and nothing pulls the load".to_owned(),
     };
     format!("Nothing moved: no answer; {pull}.")
 }
 
 fn inertia_sentence(found: &Pathwise) -> String {
-    let [valid, not_valid, open] = [Answer::Yes, Answer::No, Answer::Open].map(|answer| list(&with_answer(found, answer)));
+    let [valid, not_valid] = [Answer::Yes, Answer::No].map(|answer| list(&with_answer(found, answer, |_| true)));
+    let [open, not_unique] = [false, true].map(|is| list(&with_answer(found, Answer::Open, |of| is_not_unique(of) == is)));
     let sentence = match (is_valid(&found.verdicts.path), valid.is_empty(), not_valid.is_empty()) {
         (Answer::Yes, _, true) => format!("Quasi-static is valid for {valid}"),
         (Answer::Yes, _, false) => format!("Quasi-static is valid for {valid} but not for {not_valid}"),
@@ -116,10 +120,14 @@ fn inertia_sentence(found: &Pathwise) -> String {
         (_, false, false) => format!("Quasi-static is not valid for {not_valid}; it is valid for {valid}"),
     };
     let causes = causes_beside_inertia(found);
-    match open.is_empty() {
-        true => format!("{sentence}.{causes}"),
-        false => format!("{sentence}.{causes} Too close to the tolerance for the reference error: {open}."),
-    }
+    let open = if open.is_empty() { open } else { format!(" Too close to the tolerance for the reference error: {open}.") };
+    let not_unique = if not_unique.is_empty() { not_unique } else { format!(" Not determined by the laws: {not_unique}.") };
+    format!("{sentence}.{causes}{open}{not_unique}")
+}
+
+/// Whether other answers of the runs are as right.
+fn is_not_unique(of: &QuantityVerdict) -> bool {
+    of.causes.contains(&Cause::NotUnique)
 }
 
 /// What causes the inertia effect where it is not inertia alone, as a sentence.
@@ -140,9 +148,9 @@ fn causes(found: &Pathwise, is_of_kind: fn(Cause) -> bool) -> Vec<String> {
     causes.into_iter().map(|cause| cause.text().to_owned()).collect()
 }
 
-/// The quantities with this answer, in words.
-fn with_answer(found: &Pathwise, answer: Answer) -> Vec<String> {
-    let quantities = found.verdicts.shown().filter(move |(_, of)| is_valid(of) == answer);
+/// The quantities with this answer that are of a kind, in words.
+fn with_answer(found: &Pathwise, answer: Answer, is_of_kind: impl Fn(&QuantityVerdict) -> bool) -> Vec<String> {
+    let quantities = found.verdicts.shown().filter(|(_, of)| is_valid(of) == answer && is_of_kind(of));
     quantities.map(|(name, of)| quantity_in_words(name, of, found, answer)).collect()
 }
 
@@ -187,17 +195,17 @@ fn list(words: &[String]) -> String {
 }
 
 fn engine_sentence(found: &Pathwise) -> String {
-    let exceeds = beyond(found);
-    let open = found.verdicts.shown().filter(|(_, of)| engine_is_within(of) == Answer::Open);
+    let (exceeds, of_engine) = (beyond(found), format!("The engine error of {}", found.engine.name));
+    let open = found.verdicts.shown().filter(|(_, of)| engine_is_within(of) == Answer::Open && !is_not_unique(of));
     let open = list(&open.map(|(name, _)| in_general(name).to_owned()).collect::<Vec<_>>());
     let on_path = short_quantity(found.edge_displacement.engine_error_m, "m");
     let sentence = match (exceeds.is_empty(), open.is_empty()) {
-        (true, true) => format!("The engine error of rapier is within all tolerances ({on_path} on the path)"),
-        (true, false) => format!("The engine error of rapier is too close to the tolerance to decide for {open}"),
-        (false, true) => format!("The engine error of rapier exceeds the tolerance for {exceeds}{}", by_engine(found)),
+        (true, true) => format!("{of_engine} is within all tolerances ({on_path} on the path)"),
+        (true, false) => format!("{of_engine} is too close to the tolerance to decide for {open}"),
+        (false, true) => format!("{of_engine} exceeds the tolerance for {exceeds}{}", by_engine(found)),
         (false, false) => {
             let by = by_engine(found);
-            format!("The engine error of rapier exceeds the tolerance for {exceeds}{by}, and is too close to decide for {open}")
+            format!("{of_engine} exceeds the tolerance for {exceeds}{by}, and is too close to decide for {open}")
         }
     };
     format!("{sentence}.")
@@ -216,7 +224,7 @@ fn by_engine(found: &Pathwise) -> String {
 fn beyond(found: &Pathwise) -> String {
     let in_words = |(name, of): (&str, &QuantityVerdict)| match of.worst_of_engine() {
         None => format!("the {name} ({})", short_quantity(of.engine_error, of.unit)),
-        Some(measure) => format!("{} ({})", plural(measure), instead(measure.rapier, measure.inertial, of.unit)),
+        Some(measure) => format!("{} ({})", plural(measure), instead(measure.engine, measure.inertial, of.unit)),
     };
     list(&found.verdicts.shown().filter(|(_, of)| engine_is_within(of) == Answer::No).map(in_words).collect::<Vec<_>>())
 }

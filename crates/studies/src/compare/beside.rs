@@ -4,8 +4,8 @@
 use serde::Serialize;
 
 use crate::csv_input;
-use cohaul::analysis::compare::Pathwise;
-use cohaul::backend::{BackendKind, EnergyLedger, Motion};
+use cohaul::analysis::compare::{Pathwise, Solution};
+use cohaul::backend::{EnergyLedger, Motion};
 use cohaul::math::{Pose, Twist};
 use cohaul::scenario::ScenarioError;
 use cohaul::simulation::{AttachedTips, Row, Trace};
@@ -25,7 +25,7 @@ pub struct Beside {
     /// Number of recorded instants (1).
     pub n: usize,
     /// Difference from the path of each backend.
-    pub differences: [FromRecorded; 3],
+    pub differences: Vec<FromRecorded>,
     /// The recorded path; it has poses only.
     #[serde(skip)]
     pub trace: Trace,
@@ -34,7 +34,7 @@ pub struct Beside {
 /// Difference of the path of a backend from a recorded one, at the recorded instants.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FromRecorded {
-    pub backend: BackendKind,
+    pub backend: String,
     /// Number of recorded instants within the run (1).
     pub n: usize,
     /// Largest distance (m).
@@ -78,13 +78,12 @@ impl Beside {
     /// # Errors
     /// When no recorded instant lies within the runs.
     pub fn new(file: &str, trace: Trace, found: &Pathwise) -> Result<Self, String> {
-        let of = |(kind, at): (BackendKind, usize)| from_recorded(kind, &trace, &found.solutions[at].trace);
-        let [quasi_static, inertial, rapier] = [0, 1, 2].map(|at| of((BackendKind::COMPARED[at], at)));
-        let (Some(quasi_static), Some(inertial), Some(rapier)) = (quasi_static, inertial, rapier) else {
+        let of = |(name, solution): (&str, &Solution)| from_recorded(name, &trace, &solution.trace);
+        let Some(differences) = found.named_runs().map(of).collect() else {
             let times = trace.rows.first().zip(trace.rows.last()).map_or([0.0; 2], |(first, last)| [first.time, last.time]);
             return Err(format!("{file}: must have a time within the runs, found {} to {} s", times[0], times[1]));
         };
-        Ok(Self { file: file.to_owned(), n: trace.rows.len(), differences: [quasi_static, inertial, rapier], trace })
+        Ok(Self { file: file.to_owned(), n: trace.rows.len(), differences, trace })
     }
 
     /// Label and value of a line for each backend.
@@ -93,7 +92,7 @@ impl Beside {
             let [largest, last] = [of.position_max_m, of.position_final_m].map(|value| short_quantity(value, "m"));
             let heading = short_quantity(of.heading_max_rad, "rad");
             let label = if at == 0 { "recorded path" } else { "" };
-            (label.to_owned(), format!("from {}: at most {largest} and {heading}, at the end {last}", of.backend.name()))
+            (label.to_owned(), format!("from {}: at most {largest} and {heading}, at the end {last}", of.backend))
         };
         self.differences.iter().enumerate().map(line).collect()
     }
@@ -104,26 +103,26 @@ impl Beside {
         let mut table = Table::new(format!("Differences from the path in {}", self.file), columns);
         for of in &self.differences {
             let metres = [of.position_max_m, of.position_rms_m, of.position_final_m].map(|value| short_quantity(value, "m"));
-            let cells = [of.backend.name().to_owned(), of.n.to_string()].into_iter().chain(metres);
+            let cells = [of.backend.clone(), of.n.to_string()].into_iter().chain(metres);
             table.push(cells.chain([short_quantity(of.heading_max_rad, "rad")]));
         }
-        let runs = Labelled::compared(found.solutions.iter().map(|solution| &solution.trace));
+        let runs = Labelled::compared(found.engine.after_exact(), found.solutions.iter().map(|solution| &solution.trace));
         let all: Vec<Labelled> = [Labelled { label: "recorded", trace: &self.trace }].into_iter().chain(runs).collect();
         let apart = "Edge displacement of each path from the recorded one over time, and the tolerance.";
         vec![
             Block::Table(table),
-            Block::figure(chart::path(&all, scene), "The recorded path and those of the three backends."),
+            Block::figure(chart::path(&all, scene), "The recorded path and those of the three runs."),
             Block::figure(chart::edge_difference(&all, scene), apart),
         ]
     }
 }
 
-fn from_recorded(backend: BackendKind, recorded: &Trace, run: &Trace) -> Option<FromRecorded> {
+fn from_recorded(backend: &str, recorded: &Trace, run: &Trace) -> Option<FromRecorded> {
     let differences = over_time(recorded, run);
     let largest = |of: fn(&chart::difference::Difference) -> f64| differences.iter().map(of).fold(0.0, f64::max);
     let squares: f64 = differences.iter().map(|at| at.position * at.position).sum();
     Some(FromRecorded {
-        backend,
+        backend: backend.to_owned(),
         n: differences.len(),
         position_max_m: largest(|at| at.position),
         position_final_m: differences.last()?.position,

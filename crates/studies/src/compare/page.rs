@@ -4,7 +4,6 @@ use crate::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance, ver
 use crate::compare::comparison::Comparison;
 use crate::compare::text::{details, divergence, estimated, paired, suggested, tier_name, tried};
 use cohaul::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise};
-use cohaul::backend::BackendKind;
 use cohaul::scenario::Scenario;
 use cohaul_report::chart::bars::{self, Bar, Spread, SpreadLine};
 use cohaul_report::chart::{self, Labelled, Scene, trace_color};
@@ -20,7 +19,12 @@ pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &
     if let Some(found) = comparison.tiers.pathwise().next() {
         let mut right = vec![Block::Numbers(numbers(found))];
         if !found.suggested_changes.is_empty() {
-            let changes = found.suggested_changes.iter().map(suggested).map(|(what, why)| format!("{what}: {why}")).collect();
+            let changes = found
+                .suggested_changes
+                .iter()
+                .map(|it| suggested(it, &found.engine.name))
+                .map(|(what, why)| format!("{what}: {why}"))
+                .collect();
             right.extend([
                 Block::text("All of these changes together are to make the differences smaller than the tolerance:"),
                 Block::List(changes),
@@ -85,7 +89,7 @@ fn numbers(found: &Pathwise) -> Vec<Number> {
 }
 
 fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
-    let runs = Labelled::compared(found.solutions.iter().map(|solution| &solution.trace));
+    let runs = Labelled::compared(found.engine.after_exact(), found.solutions.iter().map(|solution| &solution.trace));
     let first = found.first_divergence.inertia_effect.or(found.first_divergence.engine_error).map(|divergence| divergence.time_s);
     let end = found.solutions[0].trace.rows.last().map_or(0.0, |row| row.time);
     let name = format!("{}: the same tip motions on all backends", tier_name(found.tier));
@@ -103,7 +107,8 @@ fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
 fn quantities(found: &Pathwise) -> Vec<Block> {
     let columns = ["quantity", "inertia effect", "engine error", "reference error", "tolerance", "verdict", "first divergence"];
     let mut verdicts = Table::new("Verdict on each quantity", columns);
-    let measured = ["number", "quasi-static", "inertial", "rapier", "inertia effect", "engine error", "reference error", "tolerance"];
+    let measured =
+        ["number", "quasi-static", "inertial", &*found.engine.name, "inertia effect", "engine error", "reference error", "tolerance"];
     let mut measures = Table::new("Peak and mean pulls and speeds, and the energy dissipated", measured);
     for (name, of) in found.verdicts.shown() {
         let cell = |value: f64| short_quantity(value, of.unit);
@@ -112,7 +117,7 @@ fn quantities(found: &Pathwise) -> Vec<Block> {
         let first = first.map_or("none".to_owned(), |first| divergence(&first));
         verdicts.push([name.to_owned(), inertia, engine, reference, tolerance, verdict_text(of), first]);
         for measure in &of.measures {
-            let values = [measure.quasi_static, measure.inertial, measure.rapier].map(|value| quantity(value, of.unit));
+            let values = [measure.quasi_static, measure.inertial, measure.engine].map(|value| quantity(value, of.unit));
             let differences = [measure.inertia_effect, measure.engine_error, measure.reference_error, measure.tolerance].map(cell);
             measures.push([measure.label()].into_iter().chain(values).chain(differences));
         }
@@ -135,13 +140,13 @@ fn over_time(runs: &[Labelled], scene: &Scene) -> Vec<Block> {
 }
 
 fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
-    let runs = Labelled::compared(&found.traces);
+    let runs = Labelled::compared(found.engine.after_exact(), &found.traces);
     let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| format!("at {}", quantity(time, "s")));
     let first = &found.first_different_decision;
-    let (quasi_static, rapier) = (time(first.quasi_static_s), time(first.rapier_s));
-    let decisions = format!("A decision first differs from the inertial run {quasi_static} (quasi-static) and {rapier} (rapier).");
+    let (quasi_static, engine, name) = (time(first.quasi_static_s), time(first.engine_s), &found.engine.name);
+    let decisions = format!("A decision first differs from the inertial run {quasi_static} (quasi-static) and {engine} ({name}).");
     let chart = Block::Chart {
-        svg: bars::spreads(&found.measures.iter().map(spread).collect::<Vec<_>>()),
+        svg: bars::spreads(&found.measures.iter().map(|measure| spread(measure, found.engine.after_exact())).collect::<Vec<_>>()),
         caption: "Each dot is a seed, each vertical line a mean, and each bar its 95 % confidence interval, which stand beside it as numbers. Axes may not begin at zero."
             .to_owned(),
     };
@@ -172,11 +177,11 @@ fn with_half_interval(found: &Distribution, unit: &str) -> String {
     format!("{}{}", quantity(found.mean, unit), half.unwrap_or_default())
 }
 
-fn spread(measure: &Measure) -> Spread {
+fn spread(measure: &Measure, names: [&str; 3]) -> Spread {
     let (name, unit) = name_and_unit(measure.name);
-    let of = [&measure.quasi_static, &measure.inertial, &measure.rapier];
+    let of = [&measure.quasi_static, &measure.inertial, &measure.engine];
     let line = |(at, found): (usize, &Distribution)| SpreadLine {
-        name: BackendKind::COMPARED[at].name().to_owned(),
+        name: names[at].to_owned(),
         color: trace_color(at),
         values: measure.values.iter().filter_map(|values| values[at]).collect(),
         mean: if found.n > 0 { found.mean } else { f64::NAN },

@@ -50,11 +50,10 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
 
 /// Warnings about runs of paths that are not ok.
 pub fn account_warnings(comparison: &Comparison) -> Vec<String> {
-    let solutions = comparison.tiers.pathwise().flat_map(|found| &found.solutions);
-    let of_run = |solution: &Solution| {
-        account_words::warnings(&solution.account).map(|what| format!("{}: {what}", solution.kind.name())).collect::<Vec<_>>()
+    let of_run = |(name, solution): (&str, &Solution)| {
+        account_words::warnings(&solution.account).map(|what| format!("{name}: {what}")).collect::<Vec<_>>()
     };
-    solutions.flat_map(of_run).collect()
+    comparison.tiers.pathwise().flat_map(|found| found.named_runs()).flat_map(of_run).collect()
 }
 
 /// Warning about reference runs that do not reach the tolerance asked for; `None` if all do.
@@ -149,7 +148,7 @@ pub fn tier_name(tier: Tier) -> &'static str {
 fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     let mut rows = Vec::new();
     for (at, change) in found.suggested_changes.iter().enumerate() {
-        let (what, why) = suggested(change);
+        let (what, why) = suggested(change, &found.engine.name);
         let text = if detail == Detail::Full { format!("{what}: {why}") } else { what };
         rows.push((if at == 0 { "suggested change" } else { "  and" }, text));
     }
@@ -217,7 +216,7 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
             );
         }
         for measure in &of.measures {
-            row("", measured(measure, of.unit));
+            row("", measured(measure, &found.engine.name, of.unit));
         }
     }
     row("sampled every", quantity(found.sampled_every_s, "s"));
@@ -226,7 +225,7 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     row("engine error", difference(&found.engine_error));
     row("time-step error", difference(&found.time_step_error));
     row("model error", difference(&found.model_error));
-    row("  its error", difference(&found.reference_error.rapier));
+    row("  its error", difference(&found.reference_error.engine));
     row("reference error", difference(&found.reference_error.all));
     if let Some(zeta) = found.numbers.zeta {
         let (epsilon, phi) = (or_none(found.numbers.epsilon, ""), or_none(found.numbers.phi, "rad"));
@@ -241,7 +240,7 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     for (value, unit, what) in predictions {
         value.into_iter().for_each(|value| row("predicted", format!("{} {what}", short_quantity(value, unit))));
     }
-    for solution in &found.solutions {
+    for (run, solution) in found.named_runs() {
         let steps = solution.step_s.map_or("error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
         let counts = format!(
             "{} solves, {} not converged, {}",
@@ -249,7 +248,7 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
             solution.steps.n_not_converged,
             name(solution.account.health)
         );
-        row(solution.kind.name(), format!("{steps}, {counts}"));
+        row(run, format!("{steps}, {counts}"));
     }
     rows
 }
@@ -277,13 +276,13 @@ fn estimate(predicted: &Predicted) -> Option<String> {
 }
 
 /// A change, and what it does.
-pub fn suggested(change: &SuggestedChange) -> (String, &'static str) {
+pub fn suggested(change: &SuggestedChange, engine: &str) -> (String, &'static str) {
     match change {
         SuggestedChange::SmallerStep { step_s } => {
-            (format!("use rapier with --step-s {step_s:.2e}"), "the time-step error falls in proportion to the step")
+            (format!("use {engine} with --step-s {step_s:.2e}"), "the time-step error falls in proportion to the step")
         }
         SuggestedChange::OtherModel => {
-            ("use another friction or spring model in rapier".to_owned(), "the model error does not depend on the step")
+            (format!("use another friction or spring model in {engine}"), "the model error does not depend on the step")
         }
         SuggestedChange::SlowerTips { factor } => {
             (format!("move the tips at {} % of their speed", short(100.0 * factor)), "the lag of the load grows with the speed")
@@ -308,10 +307,10 @@ pub fn or_none(value: Option<f64>, unit: &str) -> String {
 }
 
 /// One number on all backends, and its differences.
-pub fn measured(measure: &RunMeasure, unit: &str) -> String {
-    let [a, b, c] = [measure.quasi_static, measure.inertial, measure.rapier].map(|value| quantity(value, unit));
+pub fn measured(measure: &RunMeasure, engine: &str, unit: &str) -> String {
+    let [a, b, c] = [measure.quasi_static, measure.inertial, measure.engine].map(|value| quantity(value, unit));
     let [error, tolerance] = [measure.reference_error, measure.tolerance].map(|value| short_quantity(value, unit));
-    format!("{}: quasi-static {a}, inertial {b}, rapier {c} (reference error {error}, tolerance {tolerance})", measure.label())
+    format!("{}: quasi-static {a}, inertial {b}, {engine} {c} (reference error {error}, tolerance {tolerance})", measure.label())
 }
 
 fn difference(found: &Difference) -> String {
@@ -333,11 +332,11 @@ fn measures(found: &ClosedLoop) -> String {
         format!("{}\n", format!("{name:<22}{a:>12}{b:>10}{c:>10} {inertia:<12} {engine}").trim_end())
     };
     let title = format!("{}, {} seeds", tier_name(found.tier), found.n_seeds);
-    let mut text = row([&title, "quasi-static", "inertial", "rapier", "inertia", "engine"]);
+    let mut text = row([&title, "quasi-static", "inertial", &found.engine.name, "inertia", "engine"]);
     for measure in &found.measures {
         let (name, unit) = name_and_unit(measure.name);
         let mean = |of: &Distribution| if of.n > 0 { short_quantity(of.mean, unit) } else { "none".to_owned() };
-        let [a, b, c] = [&measure.quasi_static, &measure.inertial, &measure.rapier].map(mean);
+        let [a, b, c] = [&measure.quasi_static, &measure.inertial, &measure.engine].map(mean);
         let [inertia, engine] = [&measure.inertia_effect, &measure.engine_error].map(|of| says(of, found));
         text += &row([&format!("  {name}"), &a, &b, &c, inertia, engine]);
     }
@@ -352,16 +351,16 @@ fn closed_loop(found: &ClosedLoop, lines: &mut Lines) {
     lines.section(&format!("{}, {seeds} (verdict: {})", tier_name(found.tier), found.verdict.text()));
     let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| quantity(time, "s"));
     let first = &found.first_different_decision;
-    let (quasi_static, rapier) = (time(first.quasi_static_s), time(first.rapier_s));
-    lines.row("decisions", &format!("differ from inertial at {quasi_static} (quasi-static), {rapier} (rapier)"));
+    let (quasi_static, engine, run) = (time(first.quasi_static_s), time(first.engine_s), &found.engine.name);
+    lines.row("decisions", &format!("differ from inertial at {quasi_static} (quasi-static), {engine} ({run})"));
     for seed in &found.doubts {
         lines.row("doubt", &format!("with seed {}, {}", seed.seed, doubt::in_words(&seed.doubt)));
     }
-    for Measure { name, quasi_static, inertial, rapier, inertia_effect, engine_error, .. } in &found.measures {
+    for Measure { name, quasi_static, inertial, engine, inertia_effect, engine_error, .. } in &found.measures {
         let (name, unit) = name_and_unit(name);
         lines.row(&name, &format!("quasi-static {}", distribution(quasi_static, unit)));
         lines.row("", &format!("inertial {}", distribution(inertial, unit)));
-        lines.row("", &format!("rapier {}", distribution(rapier, unit)));
+        lines.row("", &format!("{run} {}", distribution(engine, unit)));
         lines.row("", &format!("inertia effect {}", paired(inertia_effect, unit, found)));
         lines.row("", &format!("engine error {}", paired(engine_error, unit, found)));
     }

@@ -1,0 +1,226 @@
+//! The backend that asks an engine.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use serde::de::DeserializeOwned;
+
+use cohaul::backend::{Backend, BackendOptions, Computes, EnergyLedger, Motion, SideContact, Status, StepReport, n_steps_in};
+use cohaul::math::{Pose, Twist, Vec2};
+use cohaul::model::System;
+use cohaul::scenario::Scenario;
+
+use crate::channel::{Channel, Complaint};
+use crate::protocol::{Advanced, Request, Started, of_pose};
+use crate::springs::Springs;
+
+/// A load that an engine moves.
+pub struct Driven {
+    channel: Box<dyn Channel>,
+    complaint: Arc<Complaint>,
+    springs: Arc<Springs>,
+    system: System,
+    name: String,
+    longest_step: f64,
+    motion: Motion,
+    /// Sum of all advances (s).
+    elapsed: f64,
+    computes: Computes,
+    pulls: Option<Vec<Option<Vec2>>>,
+    contacts: Vec<SideContact>,
+    energy: EnergyLedger,
+}
+
+impl Driven {
+    /// A new run of an engine behind a channel, and what it says of itself. Its faults become the
+    /// `complaint`, and end the run as failed.
+    ///
+    /// # Errors
+    /// When the engine does not start, in words.
+    pub fn start(
+        mut channel: Box<dyn Channel>,
+        scenario: &Scenario,
+        options: &BackendOptions,
+        complaint: &Arc<Complaint>,
+    ) -> Result<(Self, Started), String> {
+        let Scenario { system, start, .. } = scenario;
+        let springs = Arc::new(Springs::new(system));
+        let request = Request::start(system, start, options);
+        let started: Started = read(channel.exchange(&line(&request), &springs), "start")?;
+        if started.name.trim().is_empty() || started.name.len() > LONGEST_NAME {
+            return Err(format!("name: must have 1 to {LONGEST_NAME} bytes, found {}", started.name.len()));
+        }
+        let energy = EnergyLedger { initial: system.load.kinetic_energy(&start.twist), ..EnergyLedger::default() };
+        let driven = Self {
+            channel,
+            complaint: Arc::clone(complaint),
+            springs,
+            system: system.clone(),
+            name: started.name.clone(),
+            longest_step: options.step_s,
+            motion: *start,
+            elapsed: 0.0,
+            computes: Computes::ALL,
+            pulls: None,
+            contacts: Vec::new(),
+            energy,
+        };
+        Ok((driven, started))
+    }
+
+    /// Sends a request and reads its answer.
+    fn ask<T: DeserializeOwned>(&mut self, request: &Request, call: &str) -> Result<T, String> {
+        read(self.channel.exchange(&line(request), &self.springs), call)
+    }
+
+    /// Keeps what was wrong in an answer, if anything was.
+    fn told<T>(&self, answer: Result<T, String>) -> Option<T> {
+        answer.map_err(|what| self.complaint.make(format!("{}, at {} s: {what}", self.name, self.elapsed))).ok()
+    }
+
+    fn advanced(&mut self, targets: &[Vec2], duration: f64) -> Result<bool, String> {
+        self.springs.set_out(targets, duration);
+        let at_end = |obstacle: &cohaul::model::Obstacle| of_pose(&obstacle.path.pose_at(self.elapsed + duration));
+        let request = Request::Advance {
+            tips_m: self.springs.targets(),
+            obstacles: self.system.world.obstacles.iter().map(at_end).collect(),
+            duration_s: duration,
+            n_steps: n_steps_in(duration, self.longest_step),
+        };
+        let found: Advanced = self.ask(&request, "advance")?;
+        self.check(&found)?;
+        let [x, y, heading] = found.pose;
+        let (before, pose) = (self.motion.pose, Pose::new(x, y, heading));
+        let twist = found.twist.map(|[u, v, w]| Twist { linear: Vec2::new(u, v), angular: w });
+        // The last displacement over its time, as for a load without inertia.
+        let mean = Twist { linear: (pose.position - before.position) / duration, angular: (pose.heading - before.heading) / duration };
+        let vector = |[x, y]: [f64; 2]| Vec2::new(x, y);
+        self.motion = Motion { pose, twist: twist.unwrap_or(mean) };
+        self.elapsed += duration;
+        self.springs.arrive(&pose);
+        let Computes { twist: twists, energy, contacts } = self.computes;
+        self.computes = Computes {
+            twist: twists && twist.is_some(),
+            energy: energy && found.dissipated_j.is_some(),
+            contacts: contacts && found.contacts.is_some(),
+        };
+        self.pulls = found.pulls_n.map(|pulls| pulls.into_iter().map(|pull| pull.map(vector)).collect());
+        let contact =
+            |it: crate::protocol::Contact| SideContact { obstacle: it.obstacle, point: vector(it.point_m), force: vector(it.force_n) };
+        self.contacts = found.contacts.unwrap_or_default().into_iter().map(contact).collect();
+        self.record(found.dissipated_j);
+        Ok(found.converged)
+    }
+
+    /// # Errors
+    /// What an answer has that no state of a load has, in words.
+    fn check(&self, found: &Advanced) -> Result<(), String> {
+        let pulls = found.pulls_n.iter().flatten().flatten().flatten();
+        let contacts = found.contacts.iter().flatten();
+        let of_contacts = contacts.clone().flat_map(|contact| contact.point_m.iter().chain(&contact.force_n));
+        let numbers = found.pose.iter().chain(found.twist.iter().flatten()).chain(pulls).chain(of_contacts).chain(&found.dissipated_j);
+        if let Some(number) = numbers.copied().find(|number| number.abs() > FARTHEST) {
+            return Err(format!("advance: must answer numbers up to {FARTHEST:e}, found {number:e}"));
+        }
+        let [.., heading] = found.pose;
+        let turn = heading - self.motion.pose.heading;
+        if (turn.abs() - 2.0 * PI).abs() < SEAM {
+            return Err(format!("pose: must have a heading that is not wrapped, found a turn by {turn:.3} rad in one advance"));
+        }
+        let n_springs = self.system.springs.len();
+        if let Some(pulls) = found.pulls_n.as_ref().filter(|pulls| pulls.len() != n_springs) {
+            return Err(format!("pulls_n: must have one entry a spring, {n_springs}, found {}", pulls.len()));
+        }
+        let n_obstacles = self.system.world.obstacles.len();
+        match contacts.map(|contact| contact.obstacle).find(|obstacle| *obstacle >= n_obstacles) {
+            Some(obstacle) => Err(format!("contacts: must name one of {n_obstacles} obstacles by its place from 0, found {obstacle}")),
+            None => Ok(()),
+        }
+    }
+
+    /// Records the energy that is dissipated (J). The engine states no work, which is what closes
+    /// the ledger: nothing is claimed of its balance.
+    fn record(&mut self, dissipated: Option<f64>) {
+        let Some(friction) = dissipated else { return };
+        let (elastic, kinetic) = (self.springs.energy(&self.motion.pose), self.system.load.kinetic_energy(&self.motion.twist));
+        let tip_work = elastic + kinetic + friction - self.energy.initial;
+        self.energy = EnergyLedger { elastic, kinetic, friction, tip_work, ..self.energy };
+    }
+}
+
+/// Longest name of an engine (bytes).
+const LONGEST_NAME: usize = 40;
+/// Largest number that a state may have, in any unit: far beyond, squares have no finite number.
+const FARTHEST: f64 = 1e60;
+/// How near to a whole turn the change of the heading in one advance is taken for a wrap (rad). At
+/// a control period of milliseconds no load turns as fast.
+const SEAM: f64 = 0.5;
+
+fn line(request: &Request) -> String {
+    serde_json::to_string(request).expect("requests are plain data")
+}
+
+/// The answer to a `call`, or what is wrong with it.
+fn read<T: DeserializeOwned>(answer: Result<String, String>, call: &str) -> Result<T, String> {
+    let parsed = |answer: String| serde_json::from_str(&answer).map_err(|error| format!("{error}, found {}", shortened(answer.trim())));
+    answer.and_then(parsed).map_err(|what| format!("{call}: {what}"))
+}
+
+/// The beginning of a long text.
+fn shortened(text: &str) -> String {
+    const MOST: usize = 120;
+    let beginning: String = text.chars().take(MOST).collect();
+    if beginning.len() < text.len() { format!("{beginning}...") } else { beginning }
+}
+
+impl Backend for Driven {
+    fn attach(&mut self, spring: usize, tip: Vec2) {
+        self.springs.attach(spring, tip, &self.motion.pose);
+        let answer = self.ask::<serde_json::Value>(&Request::Attach { spring, tip_m: [tip.x, tip.y] }, "attach");
+        self.told(answer);
+    }
+
+    fn release(&mut self, spring: usize) {
+        self.springs.release(spring);
+        let answer = self.ask::<serde_json::Value>(&Request::Release { spring }, "release");
+        self.told(answer);
+    }
+
+    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        let n_steps = n_steps_in(duration, self.longest_step);
+        // A run that waits for others is of no use once something was wrong.
+        let answer = if self.complaint.is_made() { Ok(None) } else { self.advanced(tip_targets, duration).map(Some) };
+        let answer = self.told(answer).flatten();
+        let status = match answer {
+            None => Status::Failed,
+            Some(false) => Status::NotConverged,
+            Some(true) => Status::Converged,
+        };
+        StepReport { status, n_steps, n_not_converged: u64::from(status == Status::NotConverged), ..StepReport::default() }
+    }
+
+    fn motion(&self) -> Motion {
+        self.motion
+    }
+
+    fn tip(&self, spring: usize) -> Option<Vec2> {
+        self.springs.tip(spring)
+    }
+
+    fn pull(&self, spring: usize) -> Vec2 {
+        let stated = self.pulls.as_ref().and_then(|pulls| pulls[spring]);
+        stated.unwrap_or_else(|| self.springs.pull(spring, &self.motion.pose, &self.motion.twist))
+    }
+
+    fn energy(&self) -> EnergyLedger {
+        self.energy
+    }
+
+    fn computes(&self) -> Computes {
+        self.computes
+    }
+
+    fn side_contacts(&self) -> Vec<SideContact> {
+        self.contacts.clone()
+    }
+}

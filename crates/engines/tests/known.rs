@@ -1,0 +1,147 @@
+//! Engines whose error is known: the inertial backend behind the protocol, and lies about it.
+
+use std::sync::Arc;
+
+use cohaul::analysis::compare::{Cause, EngineAnswer, Pathwise, Settings, ThreeWay};
+use cohaul::backend::{Backend, BackendKind, BackendOptions};
+use cohaul::math::Vec2;
+use cohaul::scenario::Scenario;
+use cohaul::simulation::backend_of;
+use cohaul_engines::engine::Open;
+use cohaul_engines::{Channel, Engine, Springs};
+use serde_json::{Value, json};
+
+/// The inertial backend at fixed steps, as an engine that answers lines.
+struct Exact {
+    scenario: Scenario,
+    backend: Option<Box<dyn Backend>>,
+    /// What it states beside the pose.
+    states: &'static [&'static str],
+    /// By how much its x is wrong once it has moved (m).
+    lie: f64,
+}
+
+fn vector(value: &Value) -> Vec2 {
+    Vec2::new(value[0].as_f64().unwrap(), value[1].as_f64().unwrap())
+}
+
+impl Channel for Exact {
+    fn exchange(&mut self, line: &str, _: &Arc<Springs>) -> Result<String, String> {
+        let request: Value = serde_json::from_str(line).unwrap();
+        if request["call"] == "start" {
+            let step = request["longest_step_s"].as_f64().unwrap();
+            self.backend = Some(backend_of(&self.scenario, &BackendOptions::new(BackendKind::Inertial, step)));
+            return Ok(json!({ "name": "exact" }).to_string());
+        }
+        let backend = self.backend.as_mut().unwrap();
+        let spring = request["spring"].as_u64().unwrap_or_default() as usize;
+        let answer = match request["call"].as_str().unwrap() {
+            "attach" => {
+                backend.attach(spring, vector(&request["tip_m"]));
+                json!({})
+            }
+            "release" => {
+                backend.release(spring);
+                json!({})
+            }
+            _ => {
+                let tips = request["tips_m"].as_array().unwrap().iter();
+                let tips: Vec<Vec2> = tips.map(|tip| if tip.is_null() { Vec2::zeros() } else { vector(tip) }).collect();
+                backend.advance(&tips, request["duration_s"].as_f64().unwrap());
+                let (pose, twist) = (backend.motion().pose, backend.motion().twist);
+                let contacts = backend.side_contacts().into_iter();
+                let contacts: Vec<Value> = contacts
+                    .map(|it| json!({ "obstacle": it.obstacle, "point_m": [it.point.x, it.point.y], "force_n": [it.force.x, it.force.y] }))
+                    .collect();
+                let pulls: Vec<Value> = (0..tips.len())
+                    .map(|at| backend.tip(at).map_or(Value::Null, |_| json!([backend.pull(at).x, backend.pull(at).y])))
+                    .collect();
+                let mut answer = json!({
+                    "pose": [pose.position.x + self.lie, pose.position.y, pose.heading],
+                    "twist": [twist.linear.x, twist.linear.y, twist.angular],
+                    "pulls_n": pulls,
+                    "dissipated_j": backend.energy().dissipated(),
+                    "contacts": contacts,
+                });
+                let states = self.states;
+                answer.as_object_mut().unwrap().retain(|key, _| key == "pose" || states.contains(&key.as_str()));
+                answer
+            }
+        };
+        Ok(answer.to_string())
+    }
+}
+
+const ALL: &[&str] = &["twist", "pulls_n", "dissipated_j", "contacts"];
+
+fn read(name: &str) -> Scenario {
+    let path = format!("{}/../../scenarios/{name}.json", env!("CARGO_MANIFEST_DIR"));
+    Scenario::read(path.as_ref()).unwrap()
+}
+
+fn settings() -> Settings {
+    Settings { step_s: Some(1e-3), check_suggestions: false, ..Settings::default() }
+}
+
+/// The comparison with this engine behind the protocol.
+fn compared(scenario: &Scenario, states: &'static [&'static str], lie: f64) -> Pathwise {
+    let open = || Ok(Box::new(Exact { scenario: scenario.clone(), backend: None, states, lie }) as Box<dyn Channel>);
+    let open: &Open = &open;
+    let settings = settings();
+    let engine = Engine::meet(open, scenario, &settings.at_fixed_step(scenario, BackendKind::Rapier)).unwrap();
+    let make = |scenario: &Scenario, options: &BackendOptions| engine.backend(scenario, options);
+    let found = ThreeWay::new(scenario, &settings).engine(&make).named(engine.name()).prescribed(|_| true).unwrap();
+    assert_eq!(engine.complaint(), None);
+    found
+}
+
+/// Numbers go through text and come back to the bit.
+#[test]
+fn an_engine_behind_the_protocol_is_the_engine_itself() {
+    for name in ["analytic/release-jump", "contact/wall-slide", "contact/pusher", "analytic/tripod-slide-spin-free"] {
+        let scenario = read(name);
+        let direct = |scenario: &Scenario, options: &BackendOptions| -> Box<dyn Backend> {
+            backend_of(scenario, &BackendOptions::new(BackendKind::Inertial, options.step_s))
+        };
+        let expected = ThreeWay::new(&scenario, &settings()).engine(&direct).prescribed(|_| true).unwrap();
+        let found = compared(&scenario, ALL, 0.0);
+        assert_eq!((&*found.engine.name, &*expected.engine.name), ("exact", "engine"));
+        assert_eq!(found.engine_error, expected.engine_error, "{name}");
+        assert_eq!(found.verdicts.pulls, expected.verdicts.pulls, "{name}");
+        assert_eq!(found.verdicts.contacts, expected.verdicts.contacts, "{name}");
+        assert_eq!(found.verdicts.speed, expected.verdicts.speed, "{name}");
+        let (a, b) = (&found.verdicts.energy, &expected.verdicts.energy);
+        // Sums of parts in another order.
+        assert!((a.engine_error - b.engine_error).abs() <= 1e-12 * b.tolerance, "{name} {a:?} {b:?}");
+    }
+}
+
+/// What an engine does not compute has no row, and what it computes keeps its own.
+#[test]
+fn what_an_engine_leaves_out_is_not_judged() {
+    let scenario = read("contact/wall-slide");
+    let shown = |states| compared(&scenario, states, 0.0).verdicts.shown().map(|(name, _)| name).collect::<Vec<_>>();
+    assert_eq!(shown(ALL), ["path", "heading", "pulls", "contacts", "speed", "energy"]);
+    assert_eq!(shown(&[]), ["path", "heading", "pulls"]);
+    assert_eq!(shown(&["twist"]), ["path", "heading", "pulls", "speed"]);
+    assert_eq!(shown(&["contacts", "dissipated_j"]), ["path", "heading", "pulls", "contacts", "energy"]);
+    // Without pulls of its own they follow from the spring law.
+    let [own, law] = [ALL, &["twist"][..]].map(|states| compared(&scenario, states, 0.0).verdicts.pulls);
+    for (own, law) in own.measures.iter().zip(&law.measures) {
+        assert!((own.engine - law.engine).abs() < 1e-9 * own.engine.abs(), "{own:?} {law:?}");
+    }
+}
+
+/// The inertial run plus 1 mm: all of the error is the model's, and none the step's.
+#[test]
+fn a_lie_of_a_millimetre_is_a_model_error_of_a_millimetre() {
+    let scenario = read("analytic/ramp-and-hold");
+    let honest = compared(&scenario, ALL, 0.0);
+    let found = compared(&scenario, ALL, 1e-3);
+    let [model, step] = [found.model_error, found.time_step_error].map(|error| error.edge_displacement_max_m);
+    let [honest_model, honest_step] = [honest.model_error, honest.time_step_error].map(|error| error.edge_displacement_max_m);
+    assert!((model - 1e-3).abs() <= honest_model + 1e-12, "{model:e}");
+    assert!((step - honest_step).abs() <= 1e-12, "{step:e} {honest_step:e}");
+    assert_eq!(found.verdicts.path.engine, EngineAnswer::NotWithin);
+    assert!(found.causes.contains(&Cause::EngineModel), "{:?}", found.causes);
+}

@@ -1,0 +1,102 @@
+"""Engines of one's own: the same numbers in the interpreter and behind a pipe, and named faults."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cohaul
+from cohaul.engines import Engine
+
+ROOT = Path(os.environ["COHAUL_ROOT"])
+PINS = ROOT / "crates/engines/examples/pins.py"
+SCENES = ["analytic/ramp-and-hold", "analytic/slide-spin", "analytic/release-jump", "robots/doorway"]
+SCENES = [scene for scene in SCENES if (ROOT / f"scenarios/{scene}.json").exists()]
+
+sys.path.append(str(PINS.parent))
+from pins import Pins  # noqa: E402
+
+
+class Still(Engine):
+    """A load that never moves."""
+
+    name = "still"
+
+    def start(self, scene, longest_step_s):
+        self.pose = scene["pose"]
+
+    def advance(self, tips_m, obstacles, duration_s, n_steps):
+        return {"pose": self.pose}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_pipe_gives_the_same_bits(scene):
+    path = ROOT / f"scenarios/{scene}.json"
+    found = dict(cohaul.compare(path, engine=Pins))
+    command = [os.environ["COHAUL"], "compare", str(path), "--json", "--engine", f"{sys.executable} {PINS}"]
+    piped = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+    found.pop("wall_s"), piped.pop("wall_s")
+    assert found == piped
+    assert found["tiers"]["prescribed"]["engine"] == {"name": "pins", "version": "1"}
+    assert "rapier" not in found["answer"]
+
+
+def test_friction_at_pins_errs_by_its_model():
+    """Each support opposes K^-1 v and not v, whatever the step."""
+    found = cohaul.compare(ROOT / "scenarios/analytic/ramp-and-hold.json", engine=Pins)
+    path = found.verdicts["path"]
+    assert "engine model" in path["causes"] and path["engine"] == "not within", path
+
+
+def test_what_an_engine_leaves_out_has_no_numbers():
+    found = cohaul.compare(ROOT / "scenarios/analytic/ramp-and-hold.json", engine=Still)
+    assert "measures" not in found.verdicts["energy"] and "measures" not in found.verdicts["speed"]
+    assert found.verdicts["path"]["engine_error"] > 0.01
+    assert list(found.trace("still")["x_m"]) == [0.0] * len(found.trace("still")["x_m"])
+    with pytest.raises(ValueError, match="must be one that was compared"):
+        found.trace("rapier")
+
+
+def test_numpy_may_be_answered():
+    class Arrays(Still):
+        def advance(self, tips_m, obstacles, duration_s, n_steps):
+            return {"pose": np.array(self.pose), "twist": np.zeros(3), "dissipated_j": np.float64(0.0)}
+
+    assert cohaul.compare(ROOT / "scenarios/analytic/ramp-and-hold.json", engine=Arrays).verdicts["energy"]["measures"]
+
+
+@pytest.mark.parametrize(
+    "advance, error, says",
+    [
+        (lambda self, *a, **k: 1 / 0, ZeroDivisionError, "division by zero"),
+        (lambda self, *a, **k: {"pose": [float("nan"), 0, 0]}, ValueError, "JSON"),
+        (lambda self, *a, **k: {"pose": [0, 0]}, ValueError, "invalid length 2"),
+        (lambda self, *a, **k: {}, ValueError, "missing field `pose`"),
+        (lambda self, *a, **k: None, TypeError, "not iterable"),
+        (lambda self, *a, **k: {"pose": [0, 0, 6.28]}, ValueError, "heading that is not wrapped"),
+        (lambda self, *a, **k: {"pose": "far"}, ValueError, "invalid type: string"),
+        (lambda self, *a, **k: {"pose": self.wrench([0.0], [0.0], "x")}, TypeError, ""),
+    ],
+)
+def test_what_is_wrong_with_an_engine_is_raised(advance, error, says):
+    wrong = type("Wrong", (Still,), {"advance": advance})
+    with pytest.raises(error, match=says):
+        cohaul.compare(ROOT / "scenarios/analytic/ramp-and-hold.json", engine=wrong)
+
+
+def test_engines_that_do_not_start_are_refused():
+    scene = ROOT / "scenarios/analytic/ramp-and-hold.json"
+    with pytest.raises(NotImplementedError):
+        cohaul.compare(scene, engine=Engine)
+    with pytest.raises(TypeError, match="engine: must be a class"):
+        cohaul.compare(scene, engine="pins")
+    with pytest.raises(ValueError, match="rapier: must be left out"):
+        cohaul.compare(scene, engine=Still, rapier={"friction": "box"})
+    with pytest.raises(ValueError, match="name: must have 1 to 40 bytes"):
+        cohaul.compare(scene, engine=type("Long", (Still,), {"name": "x" * 41}))
+    with pytest.raises(ValueError, match="tiers: must be replayed"):
+        cohaul.compare(ROOT / "scenarios/paper/four-ants-four-springs.json", engine=Still, tiers="closed-loop")
