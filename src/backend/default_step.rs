@@ -1,7 +1,7 @@
 //! Steps that are taken by default, and the time scale of error control.
 
 use super::exact::SHORTEST_STEP;
-use super::{BackendKind, BackendOptions, Setting};
+use super::options::{BackendKind, BackendOptions, Setting};
 use crate::model::System;
 
 /// Longest default step of the quasi-static method (s), the control period of the paper. The tips

@@ -1,7 +1,7 @@
 //! The contract that everything which moves a load keeps.
 
+use super::report::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use super::springs::AttachedTip;
-use super::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::Vec2;
 
 /// What a backend computes beside the pose of the load.

@@ -6,51 +6,37 @@
 //!
 //! A backend that observes another one, or adds to what it does, is a [`Wrapped`] with a [`Hook`].
 
-mod balance;
 pub mod contact;
 mod default_step;
-mod doubt;
 mod exact;
 pub mod friction;
 pub mod increment;
 mod interface;
-mod ledger;
 mod options;
-mod pose_error;
 pub mod rapier;
-mod saved_state;
+mod report;
 mod shared;
 mod shortcuts;
-mod side_contact;
 pub mod springs;
-mod step_report;
 mod stepping;
 mod tandem;
 mod tolerance;
-mod transition;
 mod wrapped;
 
-pub use crate::model::Motion;
-pub use balance::{Balance, judge_exact};
-pub use contact::ImpactLaw;
 pub use default_step::{default_step, step_of};
-pub use doubt::Doubts;
 pub use exact::{Integrator, LONGEST_MACRO_STEP, WORK_PER_SECOND};
 pub use friction::ConeSolver;
 pub use interface::{Backend, Computes};
-pub use ledger::{CLOSED_LEDGER, DefectParts, EnergyLedger, closed_share};
 pub use options::{BackendKind, BackendOptions, Setting};
-pub use pose_error::PoseError;
 pub use rapier::RapierOptions;
-pub use saved_state::{RestoreError, SaveError, SavedState};
+pub use report::{
+    Balance, CLOSED_LEDGER, DefectParts, Doubts, EnergyLedger, ImpactLaw, Motion, PoseError, RestoreError, SaveError, SavedState,
+    SideContact, Skip, SkipCounts, Skips, Status, StepReport, Transition, TransitionCounts, TransitionKind, closed_share, judge_exact,
+};
 pub use shared::Shared;
-pub use shortcuts::{Skip, SkipCounts, Skips};
-pub use side_contact::SideContact;
 pub use springs::{AttachedTip, AttachedTips};
-pub use step_report::{Status, StepReport};
 pub use stepping::{Stepping, n_steps_in};
 pub use tolerance::Tolerance;
-pub use transition::{Transition, TransitionCounts, TransitionKind};
 pub use wrapped::{Hook, Wrapped};
 
 use crate::model::System;

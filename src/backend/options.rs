@@ -2,9 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::exact::Integrator;
 use super::friction::ConeSolver;
-use super::rapier::Precision;
-use super::{Integrator, RapierOptions, Skips, Tolerance};
+use super::rapier::{Precision, RapierOptions};
+use super::report::Skips;
+use super::tolerance::Tolerance;
 
 /// The ways to move a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

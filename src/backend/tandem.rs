@@ -13,8 +13,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::interface::Backend;
+use super::report::{PoseError, RestoreError, SaveError, SavedState, StepReport};
+use super::tolerance::Tolerance;
 use super::wrapped::{Hook, Wrapped};
-use super::{Backend, PoseError, RestoreError, SaveError, SavedState, StepReport, Tolerance};
 use crate::math::Vec2;
 use crate::model::System;
 

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::PoseError;
 use super::exact::{Column, Control};
+use super::report::PoseError;
 use crate::model::{Load, System};
 
 /// Error that the pose of a run may have at any time, for given attachments, releases and tip

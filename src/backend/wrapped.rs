@@ -1,7 +1,8 @@
 //! A backend around another one, which observes or adds to some of the calls.
 
+use super::interface::{Backend, Computes};
+use super::report::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use super::springs::AttachedTip;
-use super::{Backend, Computes, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::Vec2;
 
 /// What a [`Wrapped`] backend does besides passing a call on. Each default only passes it on.

@@ -56,9 +56,23 @@ fn reachable<'a>(uses: &BTreeMap<&'a str, BTreeMap<&'a str, String>>, from: &str
     reached
 }
 
-fn module_of(folder: &str, path: &str) -> Vec<String> {
+/// The module of a file, `["backend", "friction"]` for `src/backend/friction/mod.rs`.
+pub fn module_of(folder: &str, path: &str) -> Vec<String> {
     let inside = path.trim_start_matches(folder).trim_start_matches('/').trim_end_matches(".rs").trim_end_matches("/mod");
     inside.split('/').map(str::to_owned).collect()
+}
+
+/// Names from the root of the crate on to what `path` names in the module `at`; none for a name
+/// that stands alone.
+pub fn from_the_root(at: &[String], path: &PathName) -> Vec<String> {
+    let n_relative = path.names.iter().take_while(|name| ["crate", "super", "self"].contains(&name.as_str())).count();
+    let n_up = path.names[..n_relative].iter().filter(|name| *name == "super").count();
+    let base = match path.names[0].as_str() {
+        "crate" => &[],
+        "super" | "self" => &at[..at.len() - n_up],
+        _ => return Vec::new(),
+    };
+    base.iter().chain(&path.names[n_relative..]).cloned().collect()
 }
 
 impl<'a> Module<'a> {
@@ -86,26 +100,11 @@ impl<'a> Tree<'a> {
 
     /// The file that defines what `path` names, seen from the module `at`.
     fn defining(&self, at: &[String], path: &PathName) -> Option<&'a Source> {
-        let mut names = path.names.iter().map(String::as_str).peekable();
-        let mut module = at.to_vec();
-        match names.peek().copied()? {
-            "crate" => module.clear(),
-            "super" | "self" => {}
-            // An import of a child of this module; other names are crates.
-            name => {
-                module.push(name.to_owned());
-                if !self.files.contains_key(&module) {
-                    return None;
-                }
-                module.pop();
-            }
-        }
-        while let Some(name) = names.next_if(|name| ["crate", "super", "self"].contains(name)) {
-            if name == "super" {
-                module.pop();
-            }
-        }
-        self.follow(module, &names.collect::<Vec<_>>(), 0)
+        // An import of a child of this module; other names that stand first are crates.
+        let is_of_child = self.files.contains_key(&[at, &path.names[..1]].concat());
+        let names = if is_of_child { [at, &path.names].concat() } else { from_the_root(at, path) };
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        if names.is_empty() { None } else { self.follow(Vec::new(), &names, 0) }
     }
 
     /// The file that defines `names` in a module, through what the module hands on.

@@ -21,6 +21,18 @@ use source::{Source, markdown_files, rust_files};
 /// Floors of the physics, from the bottom to the top: a file imports from its own floor and below.
 const FLOORS: [&str; 6] = ["math", "model", "scenario", "backend", "simulation", "analysis"];
 
+/// Floors inside `backend`, from the bottom to the top. Its hub `mod.rs` stands above all of them:
+/// it hands on what they define and builds backends.
+const BACKEND_FLOORS: [&[&str]; 7] = [
+    &["report"],
+    &["friction", "springs"],
+    &["increment"],
+    &["contact", "shortcuts"],
+    &["interface", "shared", "wrapped"],
+    &["exact", "options", "rapier", "stepping", "tolerance"],
+    &["default_step", "tandem"],
+];
+
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 6] = [
@@ -87,6 +99,29 @@ fn no_import_goes_up_a_floor() {
         }
     }
     expect_none("floors", findings);
+}
+
+#[test]
+fn no_import_in_the_backend_goes_up_a_floor() {
+    let floor = |room: &str| BACKEND_FLOORS.iter().position(|rooms| rooms.contains(&room));
+    let mut findings = Vec::new();
+    for file in SRC.iter().filter(|file| file.path != "src/backend/mod.rs" && file.path.starts_with("src/backend/")) {
+        let at = imports::module_of("src", &file.path);
+        let own = floor(&at[1]);
+        if own.is_none() {
+            findings.push(Finding::new(&file.path, 1, "a file without a floor"));
+        }
+        for path in file.paths() {
+            let names = imports::from_the_root(&at, &path);
+            let Some(room) = names.get(1).filter(|_| names[0] == "backend") else { continue };
+            match floor(room) {
+                Some(other) if Some(other) > own => findings.push(Finding::new(&file.path, path.line, format!("imports {room} above it"))),
+                Some(_) => {}
+                None => findings.push(Finding::new(&file.path, path.line, format!("imports {room} through the hub"))),
+            }
+        }
+    }
+    expect_none("backend floors", findings);
 }
 
 #[test]

@@ -11,8 +11,8 @@ use super::surroundings::{Pair, PairKey, Surroundings};
 use super::touching::{Touching, on_load};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, Straight};
+use crate::backend::report::{Status, StepReport};
 use crate::backend::springs::Place;
-use crate::backend::{Status, StepReport};
 use crate::math::{Vec3, increment_of};
 use crate::model::System;
 

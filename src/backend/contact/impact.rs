@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector};
 use smallvec::SmallVec;
 
 use super::displacement::Displacement;
-use super::impact_law::{ImpactLaw, Rebound, Struck, WITHOUT_FRICTION, rebound, speed};
+use super::impact_law::{Rebound, Struck, WITHOUT_FRICTION, rebound, speed};
 use super::obstacles::{Obstacles, mobility};
 use super::solve::{ContactRow, ContactSystem, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, PairKey, Surroundings};
 use super::touching::Touching;
-use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
+use crate::backend::report::{ImpactLaw, Motion};
 use crate::backend::springs::Place;
 use crate::math::{Mat3, Pose, Twist, Vec2, Vec3, perpendicular};
 use crate::model::{Reaction, System};

@@ -22,40 +22,12 @@
 //! so that the loss is at least (1 + e) (1 - e) b / 2.
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
 use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, solve_contacts};
 use crate::backend::friction::FrictionSolver;
+use crate::backend::report::ImpactLaw;
 use crate::math::{Mat3, Vec3};
 use crate::model::Ground;
-
-/// The law that gave the velocity after an impact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ImpactLaw {
-    /// Newton's law: every contact parts at its coefficient of restitution times its speed of
-    /// approach, or faster.
-    Newton,
-    /// Poisson's law: the impulses of the plastic impact are scaled by one plus the coefficient of
-    /// restitution. It is used where Newton's law gains energy or has no answer.
-    Poisson,
-    /// No law has an answer, and the load keeps its velocity. The step has not converged.
-    None,
-    /// The contact solver of the physics engine, which follows none of these laws.
-    Engine,
-}
-
-impl ImpactLaw {
-    /// Name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Newton => "newton",
-            Self::Poisson => "poisson",
-            Self::None => "none",
-            Self::Engine => "engine",
-        }
-    }
-}
 
 /// A closed contact in an impact, for velocities relative to one obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -38,7 +38,6 @@ mod touching;
 
 pub use candidates::gap_rounding;
 pub use impact::{Instant, Reflection, SpeedLimits, Strike, Turn};
-pub use impact_law::ImpactLaw;
 pub use obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
 pub use solve::{
     ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, go_on_resting, mode_newton,

@@ -9,7 +9,7 @@ use super::step::{MOST_STEPS, MOST_STEPS_NEAR};
 use super::touching::Touching;
 use crate::backend::friction::{FrictionSolver, WarmStart};
 use crate::backend::increment::{Coasting, Course, Increment, Objective, Step};
-use crate::backend::{Status, StepReport};
+use crate::backend::report::{Status, StepReport};
 use crate::math::{Vec2, Vec3};
 use crate::model::System;
 use crate::stop;

@@ -18,7 +18,7 @@ use super::newton::Newton;
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, go_on_resting, may_rest, solve_contacts};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite, shortened};
-use crate::backend::{Status, StepReport};
+use crate::backend::report::{Status, StepReport};
 use crate::math::{Mat3, Vec3};
 use crate::stop;
 

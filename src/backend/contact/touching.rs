@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::gap::FeaturePair;
 use super::solve::{SideForce, SideMode};
 use super::surroundings::{Pair, PairKey, PairKind};
-use crate::backend::TransitionKind;
+use crate::backend::report::TransitionKind;
 use crate::backend::springs::Place;
 use crate::math::{Pose, Vec2, perpendicular, rotation};
 

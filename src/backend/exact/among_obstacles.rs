@@ -5,8 +5,8 @@ use smallvec::SmallVec;
 use super::load::{Exact, Method, Snapshot, State};
 use super::side::{Impact, SideState};
 use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, SideMode, Strike, Touching, transitions};
+use crate::backend::report::{Doubts, Motion, SideContact, Status, StepReport, Transition, TransitionKind};
 use crate::backend::springs::{Place, TipPaths};
-use crate::backend::{Doubts, Motion, SideContact, Status, StepReport, Transition, TransitionKind};
 use crate::math::Twist;
 
 /// What does not change at the obstacles while the motion is smooth.

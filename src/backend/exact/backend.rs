@@ -7,9 +7,10 @@ use super::extrapolation;
 use super::load::{Exact, Method, State};
 use crate::backend::contact::Touching;
 use crate::backend::friction::{ContactMode, WarmStart};
+use crate::backend::interface::Backend;
+use crate::backend::report::{EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::backend::springs::{AttachedSprings, AttachedTip, Place, SavedSprings, TipPaths, pulls_with};
 use crate::backend::stepping::{Stepping, n_steps_in};
-use crate::backend::{Backend, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::{Vec2, Vec3, rotation};
 use crate::model::System;
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::backend::friction::ContactMode;
+use crate::backend::report::TransitionKind;
 
 /// Knowledge of the contact between two steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,19 @@ impl GroundContact {
     /// Mode in which the last step ended; `None` when a spring was attached or released since.
     pub fn known(&self) -> Option<ContactMode> {
         if matches!(self, Self::Unknown { .. }) { None } else { Some(self.last()) }
+    }
+
+    /// Transition from a step that ended in mode `before` to the last one; `None` where nothing
+    /// happens.
+    pub fn transition_from(&self, before: ContactMode) -> Option<TransitionKind> {
+        match (before, self.last()) {
+            (before, after) if before == after => None,
+            (_, ContactMode::Stick) => Some(TransitionKind::Stop),
+            (ContactMode::Stick, _) => Some(TransitionKind::SlipOnset),
+            (_, ContactMode::Pinned(support)) => Some(TransitionKind::Pinning { support }),
+            (ContactMode::Pinned(support), ContactMode::Slip) => Some(TransitionKind::Unpinning { support }),
+            (ContactMode::Slip, ContactMode::Slip) => None,
+        }
     }
 
     /// Takes note of an attached or released spring, which changes the forces if it `pulls`.

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::report::{Motion, RestoreError, StepReport};
 use crate::backend::springs::TipPaths;
-use crate::backend::{Motion, RestoreError, StepReport};
 use crate::math::{Twist, Vec2, rotation};
 use crate::model::{SupportPoint, System};
 

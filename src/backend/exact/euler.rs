@@ -8,10 +8,10 @@
 //! obstacle.
 
 use super::one_step::{Among, Problem, Stepped};
-use crate::backend::Motion;
 use crate::backend::contact::Task;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Coasting, Increment, Potential, Step, minimise};
+use crate::backend::report::Motion;
 use crate::backend::springs::Place;
 use crate::math::{Pose, Twist, Vec3};
 

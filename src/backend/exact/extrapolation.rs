@@ -25,8 +25,8 @@ use super::control::{Column, Task};
 use super::load::{Exact, Method, Snapshot};
 use super::progress::{Effort, Progress};
 use crate::backend::friction::ContactMode;
+use crate::backend::report::{Motion, Status, StepReport, Transition, TransitionKind};
 use crate::backend::springs::TipPaths;
-use crate::backend::{Motion, Status, StepReport, Transition, TransitionKind};
 use crate::math::{Vec2, rotation};
 use crate::model::System;
 use crate::stop;
@@ -121,7 +121,7 @@ fn note_taken<M: Method>(
     time: f64,
     report: &mut StepReport,
 ) {
-    let kind = TransitionKind::between(start.state.contact.last(), load.state.contact.last());
+    let kind = load.state.contact.transition_from(start.state.contact.last());
     let kinds = complete_snap_through(load, start, has_jumped, report).into_iter().chain(kind);
     load.transitions.extend(kinds.map(|kind| Transition { time, kind }));
     if load.obstacles.is_some() {
@@ -360,7 +360,7 @@ mod tests {
     use super::super::control::{Control, SHORTEST, SHORTEST_WHERE_NONE_CONVERGES};
     use super::super::load::State;
     use super::*;
-    use crate::backend::shortcuts::Skips;
+    use crate::backend::report::Skips;
     use crate::backend::stepping::Stepping;
     use crate::math::{Pose, RandomStreams, Stream, Twist};
     use crate::model::{Ground, Load, World};

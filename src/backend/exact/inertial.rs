@@ -19,10 +19,9 @@ use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched
 use super::{control, euler, midpoint, resolution};
 use crate::backend::contact::{Instant, PairKey, Scope, SideMode, SideWork, Touching, Turn, gap_rounding};
 use crate::backend::friction::ContactMode;
-use crate::backend::shortcuts::Skips;
+use crate::backend::report::{Motion, RestoreError, Skips, Status, StepReport};
 use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
-use crate::backend::{Motion, RestoreError, Status, StepReport};
 use crate::math::{Arc, Twist, Vec2, perpendicular, rotation};
 use crate::model::{Load, System};
 

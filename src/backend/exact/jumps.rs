@@ -5,7 +5,7 @@ use super::contact::GroundContact;
 use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::friction::EXACT;
-use crate::backend::{Status, StepReport, Transition, TransitionKind};
+use crate::backend::report::{Status, StepReport, Transition, TransitionKind};
 use crate::math::Pose;
 use crate::stop;
 

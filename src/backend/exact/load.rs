@@ -8,10 +8,10 @@ use super::control::{Pace, Task};
 use super::side::SideState;
 use crate::backend::contact::{Obstacles, SideForce};
 use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::shortcuts::{Forecast, Skip, Skips, StickCertificate};
+use crate::backend::report::{EnergyLedger, Motion, RestoreError, Skip, Skips, Status, StepReport, Transition, TransitionKind};
+use crate::backend::shortcuts::{Forecast, StickCertificate};
 use crate::backend::springs::{AttachedSprings, Attachment, Attachments, TipPaths};
 use crate::backend::stepping::{Stepping, n_steps_in};
-use crate::backend::{EnergyLedger, Motion, RestoreError, Status, StepReport, Transition, TransitionKind};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 use crate::stop;
@@ -260,7 +260,7 @@ impl<M: Method> Exact<M> {
 
     /// Records the transition at `time` (s) if the contact mode is no longer the `last` one.
     pub(super) fn note_mode_change(&mut self, last: ContactMode, time: f64) {
-        let kind = TransitionKind::between(last, self.state.contact.last());
+        let kind = self.state.contact.transition_from(last);
         self.transitions.extend(kind.map(|kind| Transition { time, kind }));
     }
 

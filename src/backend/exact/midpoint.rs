@@ -30,8 +30,8 @@
 use super::one_step::{PastFriction, Problem, Stepped};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
+use crate::backend::report::{Motion, StepReport};
 use crate::backend::springs::Place;
-use crate::backend::{Motion, StepReport};
 use crate::math::{Arc, Mat2, Pose, Twist, Vec2, Vec3};
 use crate::model::System;
 use crate::model::support::wrench_of;

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::bdf2::Past;
 use crate::backend::contact::{Obstacles, Scope, SideWork, Touching};
 use crate::backend::friction::ContactMode;
+use crate::backend::report::{Motion, StepReport};
 use crate::backend::shortcuts::Forecast;
 use crate::backend::springs::SpringBlocks;
-use crate::backend::{Motion, StepReport};
 use crate::math::{Pose, Twist, Vec2, Vec3};
 use crate::model::System;
 

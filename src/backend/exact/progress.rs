@@ -2,7 +2,7 @@
 
 use super::control::Pace;
 use super::load::{Exact, Method};
-use crate::backend::{Status, StepReport};
+use crate::backend::report::{Status, StepReport};
 
 /// Number of attempts in an advance, and for each of the longest macro-steps that fit into it,
 /// after which macro-steps have met what they do not resolve, such as a motion that no force

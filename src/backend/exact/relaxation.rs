@@ -22,9 +22,9 @@ use super::contact::GroundContact;
 use super::load::Exact;
 use super::quasi_static::QuasiStatic;
 use super::viscous::{Viscous, is_damped};
+use crate::backend::report::{Status, StepReport};
 use crate::backend::springs::{Attachment, TipPaths};
 use crate::backend::stepping::Stepping;
-use crate::backend::{Status, StepReport};
 use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, System};
 

@@ -7,7 +7,7 @@
 //! is the square root of the largest eigenvalue of M^-1/2 H M^-1/2, with the mass matrix M and the
 //! second derivatives H of the energy of all attached springs.
 
-use crate::backend::StepReport;
+use crate::backend::report::StepReport;
 use crate::backend::springs::{Attachment, TipPaths};
 use crate::math::{Mat3, Pose, Vec2, Vec3};
 use crate::model::System;

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::RestoreError;
-use crate::backend::contact::{ImpactLaw, Touching};
+use crate::backend::contact::Touching;
+use crate::backend::report::{ImpactLaw, RestoreError};
 use crate::model::System;
 
 /// Contacts with obstacles between two steps.

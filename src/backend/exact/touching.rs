@@ -20,8 +20,8 @@ use super::load::{Exact, Snapshot};
 use super::one_step::{Stepped, Touched};
 use crate::backend::contact::{Faces, Scope, Task};
 use crate::backend::increment::{Coasting, Straight};
+use crate::backend::report::{Motion, StepReport};
 use crate::backend::springs::{Attachment, TipPaths};
-use crate::backend::{Motion, StepReport};
 use crate::math::{Arc, Pose, Twist, Vec2, Vec3};
 
 /// Distance by which a tip may miss the continuation of its last path, over the radius of the load

@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::dashpots::Dashpots;
+use crate::backend::report::{EnergyLedger, RestoreError};
 use crate::backend::springs::SpringBlocks;
-use crate::backend::{EnergyLedger, RestoreError};
 use crate::math::Vec2;
 use crate::model::{PolarSpring, SpringShape, System};
 

@@ -6,8 +6,8 @@
 use super::impacts::without_law;
 use super::inertial::Inertial;
 use super::load::{Exact, Method};
-use crate::backend::StepReport;
-use crate::backend::contact::{ImpactLaw, Touching};
+use crate::backend::contact::Touching;
+use crate::backend::report::{ImpactLaw, StepReport};
 use crate::backend::springs::TipPaths;
 use crate::math::Vec2;
 

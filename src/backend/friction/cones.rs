@@ -11,7 +11,6 @@ use std::collections::HashMap;
 
 use smallvec::SmallVec;
 
-use crate::backend::contact::ContactRow;
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
@@ -202,18 +201,9 @@ impl Cones {
         self.centre.map_or(twist, |centre| slip_velocity(&-centre, &twist).push(twist.z))
     }
 
-    /// Side contact whose gap and slip are in units of `length`, per scaled twist.
-    pub fn scaled_row(&self, row: &ContactRow) -> ContactRow {
-        // A wrench in units of `force` is dual to a scaled twist, and its virtual work is in units
-        // of `force` times `length`.
-        let scaled = |derivative: &Vec3| self.force * self.scaled_gradient(derivative);
-        ContactRow {
-            normal: scaled(&row.normal),
-            tangent: scaled(&row.tangent),
-            gap: row.gap / self.length,
-            slip: row.slip / self.length,
-            friction_coefficient: row.friction_coefficient,
-        }
+    /// Unit of length (m).
+    pub fn unit_of_length(&self) -> f64 {
+        self.length
     }
 
     /// Unit of force (N).

@@ -4,7 +4,7 @@ use super::clarabel::{ACCURACY, ClarabelSolver};
 use super::cones::Cones;
 use super::exact;
 use super::problem::{Candidate, ConeSolver, ContactMode, FrictionSolution, WarmStart};
-use crate::backend::RestoreError;
+use crate::backend::report::RestoreError;
 use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
 

@@ -2,8 +2,8 @@
 //! about one support or slipping on all of them.
 
 use super::objective::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE};
-use crate::backend::StepReport;
 use crate::backend::friction::{ContactMode, EXACT, FrictionSolver, Tangent};
+use crate::backend::report::StepReport;
 use crate::math::{PositiveDefinite, Vec3};
 use crate::model::Reaction;
 

@@ -4,7 +4,7 @@ use super::corrector::{Corrected, Wanted, correct};
 use super::objective::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE};
 use super::potential::{Course, Increment, Step, friction_curvature, friction_force, friction_loss};
 use crate::backend::friction::{ContactMode, EXACT, FrictionSolver};
-use crate::backend::{Status, StepReport};
+use crate::backend::report::{Status, StepReport};
 use crate::math::{Mat3, Pose, PositiveDefinite, Vec3};
 use crate::model::support::slip_velocity;
 use crate::model::{Reaction, SupportPoint};

@@ -2,9 +2,9 @@
 //! derivatives by the increment.
 
 use super::objective::{Objective, rounding_of_places};
-use crate::backend::StepReport;
 use crate::backend::friction::ContactMode;
 use crate::backend::friction::cones::slip_gram;
+use crate::backend::report::StepReport;
 use crate::backend::springs::{Place, SpringBlocks, Travel};
 use crate::math::{Arc, Mat2, Mat3, Pose, Twist, Vec2, Vec3, shift_of};
 use crate::model::support::{slip_velocity, wrench_of};

@@ -11,8 +11,8 @@
 
 use super::objective::{Objective, rounding_of_places};
 use super::potential::{Coasting, Course, Increment, friction_loss};
-use crate::backend::StepReport;
 use crate::backend::friction::ContactMode;
+use crate::backend::report::StepReport;
 use crate::backend::springs::{Place, SpringBlocks, Travel};
 use crate::math::{Arc, Mat2, Pose, Vec2, Vec3};
 use crate::model::support::slip_velocity;

@@ -12,11 +12,14 @@ use super::rounding::Rounding;
 use super::springs::{PreparedSpring, SpringState};
 use super::step::Step;
 use crate::backend::friction::WarmStart;
-use crate::backend::springs::{Attachment, Attachments};
-use crate::backend::{
-    Backend, BackendOptions, Balance, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, Skip, Skips, Status,
-    StepReport, Transition, TransitionKind, n_steps_in,
+use crate::backend::interface::Backend;
+use crate::backend::options::BackendOptions;
+use crate::backend::report::{
+    Balance, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, Skip, Skips, Status, StepReport, Transition,
+    TransitionKind,
 };
+use crate::backend::springs::{Attachment, Attachments};
+use crate::backend::stepping::n_steps_in;
 use crate::math::{Pose, Twist, Vec2, Wrench};
 use crate::model::{ObstaclePath, System};
 use crate::stop;

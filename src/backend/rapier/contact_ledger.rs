@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::step::Step;
-use crate::backend::{EnergyLedger, ImpactLaw, TransitionKind};
+use crate::backend::report::{EnergyLedger, ImpactLaw, TransitionKind};
 
 /// What the last steps found at one obstacle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! Contacts of the load with obstacles as plain data in f64 and world axes.
 
-use crate::backend::SideContact;
+use crate::backend::report::SideContact;
 use crate::math::{Pose, Twist, Vec2, perpendicular};
 use crate::model::World;
 

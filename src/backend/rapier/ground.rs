@@ -25,7 +25,7 @@ use super::joints::FrictionJoint;
 use super::prediction::{self, Problem};
 use super::springs::{SpringSum, seen_from, turned};
 use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver, WarmStart};
-use crate::backend::{Motion, RestoreError, StepReport};
+use crate::backend::report::{Motion, RestoreError, StepReport};
 use crate::math::{Mat3, Vec2, Vec3, direction};
 use crate::model::System;
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::contacts::{ContactPoint, ObstacleStep};
-use crate::backend::Motion;
+use crate::backend::report::Motion;
 use crate::math::{Pose, Twist, Vec2, Vec3, Wrench, direction, perpendicular, unwrap_near};
 
 /// One axis of a spring joint. With v the speed of the load along the axis, the engine applies

@@ -14,7 +14,7 @@
 use super::joints::SpringJoint;
 use super::springs::turned;
 use super::step::Step;
-use crate::backend::EnergyLedger;
+use crate::backend::report::EnergyLedger;
 use crate::math::{Vec2, perpendicular};
 use crate::model::Load;
 

@@ -38,8 +38,9 @@ mod walls;
 
 pub use options::{EngineSettings, FrictionModel, Precision, RapierOptions, SpringModel};
 
-use super::{Backend, BackendOptions, Motion};
-use crate::model::System;
+use super::interface::Backend;
+use super::options::BackendOptions;
+use crate::model::{Motion, System};
 
 /// A load under rapier.
 pub fn build(system: System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {

@@ -11,7 +11,7 @@ use super::options::{EngineSettings, Precision, SpringModel};
 use super::residual::{gap_rounding, residual, violation};
 use super::springs::{SpringSum, turned};
 use super::step::Step;
-use crate::backend::{Motion, Status, StepReport};
+use crate::backend::report::{Motion, Status, StepReport};
 use crate::math::{Twist, Vec2, direction};
 use crate::model::Load;
 use crate::stop;

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::Motion;
+use crate::backend::report::Motion;
 use crate::math::Vec2;
 
 /// Largest share of the path that a run may lose (1), the tolerance of a verdict.

@@ -3,7 +3,7 @@
 use super::contacts::ContactPoint;
 use super::joints::{FrictionJoint, SpringJoint};
 use super::springs::{SpringState, SpringSum};
-use crate::backend::Motion;
+use crate::backend::report::Motion;
 use crate::backend::springs::Attachment;
 use crate::math::{Twist, Vec2, Wrench};
 

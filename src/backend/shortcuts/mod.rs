@@ -2,15 +2,12 @@
 //! the theory can be read without this folder.
 //!
 //! ```text
-//! skips              which work is left out, each kind switched on or off, and how often it was
 //! stick_certificate  proof that a load at rest cannot slip before its tips have moved so far
 //! forecast           where Newton's method starts while the load goes on as it did
 //! ```
 
 mod forecast;
-mod skips;
 mod stick_certificate;
 
 pub(super) use forecast::Forecast;
-pub use skips::{Skip, SkipCounts, Skips};
 pub(super) use stick_certificate::StickCertificate;

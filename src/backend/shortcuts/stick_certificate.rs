@@ -18,8 +18,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::RestoreError;
 use crate::backend::friction::FrictionSolver;
+use crate::backend::report::RestoreError;
 use crate::backend::springs::{AttachedSprings, Attachment, Place, SpringBlocks, TipPaths};
 use crate::math::{Mat3x2, Vec2, Vec3};
 use crate::model::spring::SHORTEST_LENGTH;

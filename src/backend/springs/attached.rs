@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::attachments::{AttachedTip, Attachment, Attachments};
 use super::blocks::{Accepted, SpringBlocks};
 use super::place::Place;
-use crate::backend::RestoreError;
+use crate::backend::report::RestoreError;
 use crate::math::{Mat2, Pose, Vec2, Vec3, rotation};
 use crate::model::PolarSpring;
 

@@ -6,8 +6,8 @@ use std::ops::Deref;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-use crate::backend::RestoreError;
 use crate::backend::friction::EXACT;
+use crate::backend::report::RestoreError;
 use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, Reaction, SpringShape, System};
 

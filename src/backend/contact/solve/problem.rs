@@ -58,12 +58,21 @@ pub const RESTS: f64 = 1e-11;
 /// Rounding of the slip of a support, over the size of the increment (1).
 const ROUNDED_SLIP: f64 = 1e-13;
 
+/// Side contact whose gap and slip are in the unit of length of `cones`, per scaled twist.
+fn scaled(row: &ContactRow, cones: &Cones) -> ContactRow {
+    // A wrench in units of `force` is dual to a scaled twist, and its virtual work is in units of
+    // `force` times `length`.
+    let (force, length) = (cones.unit_of_force(), cones.unit_of_length());
+    let per_twist = |derivative: &Vec3| force * cones.scaled_gradient(derivative);
+    ContactRow { normal: per_twist(&row.normal), tangent: per_twist(&row.tangent), gap: row.gap / length, slip: row.slip / length, ..*row }
+}
+
 impl<'a> Problem<'a> {
     /// The step in units of `cones`; `free` is the increment without contacts (scaled), if there is
     /// one.
     pub fn new(cones: &'a Cones, system: &ContactSystem, free: Option<Vec3>) -> Self {
         let (h, w) = cones.scaled(system.hessian, system.drive);
-        let rows: PerContact<ContactRow> = system.rows.iter().map(|row| cones.scaled_row(row)).collect();
+        let rows: PerContact<ContactRow> = system.rows.iter().map(|row| scaled(row, cones)).collect();
         let overlap = rows.iter().map(|row| -row.gap).fold(0.0, f64::max);
         let moved = free.map_or(0.0, |free| free.amax());
         let smallest = || rows.iter().map(|row| row.gap.abs()).filter(|gap| *gap > 0.0).fold(f64::INFINITY, f64::min);

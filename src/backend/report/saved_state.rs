@@ -49,7 +49,7 @@ impl RestoreError {
 
     /// # Errors
     /// When a restored motion is none to compute with.
-    pub(super) fn check_motion(motion: &Motion) -> Result<(), Self> {
+    pub(in crate::backend) fn check_motion(motion: &Motion) -> Result<(), Self> {
         /// Largest entry of a motion (SI units). Scenarios end at 1e50.
         const LARGEST_ENTRY: f64 = 1e60;
         let far = motion.entries().into_iter().find(|entry| entry.abs() > LARGEST_ENTRY);

@@ -1,7 +1,23 @@
-//! What makes the answer of an exact backend doubtful: poses inside an obstacle, steps that had to
-//! be cut, and motions that are not unique.
+//! The error that the answer of an exact backend may have, and what makes it doubtful: poses inside
+//! an obstacle, steps that had to be cut, and motions that are not unique.
 
 use serde::{Deserialize, Serialize};
+
+/// Bound of the error of a pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PoseError {
+    /// Error of the position (m).
+    pub position: f64,
+    /// Error of the heading (rad).
+    pub heading: f64,
+}
+
+impl PoseError {
+    /// Larger position error and larger heading error of both.
+    pub fn max(&self, other: &Self) -> Self {
+        Self { position: self.position.max(other.position), heading: self.heading.max(other.heading) }
+    }
+}
 
 /// Findings of a backend in its own accepted steps that make its answer doubtful.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Doubts;
-use super::shortcuts::{Skip, SkipCounts};
+use super::doubt::Doubts;
+use super::skips::{Skip, SkipCounts};
 
 /// How an advance ended. The order is that of severity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -82,12 +82,12 @@ impl StepReport {
 
     /// Report of an advance that has no answer, and in which nothing moved.
     #[cold]
-    pub(super) fn refused() -> Self {
+    pub(in crate::backend) fn refused() -> Self {
         Self { status: Status::Failed, n_steps: 1, n_not_converged: 1, ..Self::default() }
     }
 
     /// What an attempt has cost, without its steps and what became of them.
-    pub(super) fn work(&self) -> Self {
+    pub(in crate::backend) fn work(&self) -> Self {
         let Self { n_solves, n_iterations, n_skipped, n_rejected, skipped, .. } = *self;
         Self { n_solves, n_iterations, n_skipped, n_rejected, skipped, ..Self::default() }
     }

@@ -3,9 +3,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::contact::ImpactLaw;
-use super::friction::ContactMode;
-
 /// An instant at which the motion of the load is not smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transition {
@@ -61,6 +58,22 @@ pub enum TransitionKind {
     },
 }
 
+/// The law that gave the velocity after an impact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ImpactLaw {
+    /// Newton's law: every contact parts at its coefficient of restitution times its speed of
+    /// approach, or faster.
+    Newton,
+    /// Poisson's law: the impulses of the plastic impact are scaled by one plus the coefficient of
+    /// restitution. It is used where Newton's law gains energy or has no answer.
+    Poisson,
+    /// No law has an answer, and the load keeps its velocity. The step has not converged.
+    None,
+    /// The contact solver of the physics engine, which follows none of these laws.
+    Engine,
+}
+
 /// Number of transitions of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TransitionCounts {
@@ -99,6 +112,18 @@ fn is_none(count: &u64) -> bool {
     *count == 0
 }
 
+impl ImpactLaw {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Newton => "newton",
+            Self::Poisson => "poisson",
+            Self::None => "none",
+            Self::Engine => "engine",
+        }
+    }
+}
+
 impl TransitionCounts {
     pub fn add(&mut self, kind: &TransitionKind) {
         match kind {
@@ -126,18 +151,6 @@ impl TransitionCounts {
 }
 
 impl TransitionKind {
-    /// Transition from one contact mode to another; `None` where nothing happens.
-    pub(super) fn between(before: ContactMode, after: ContactMode) -> Option<Self> {
-        match (before, after) {
-            (before, after) if before == after => None,
-            (_, ContactMode::Stick) => Some(TransitionKind::Stop),
-            (ContactMode::Stick, _) => Some(TransitionKind::SlipOnset),
-            (_, ContactMode::Pinned(support)) => Some(TransitionKind::Pinning { support }),
-            (ContactMode::Pinned(support), ContactMode::Slip) => Some(TransitionKind::Unpinning { support }),
-            (ContactMode::Slip, ContactMode::Slip) => None,
-        }
-    }
-
     /// Obstacle at which it happens; `None` for a transition of the load on the ground.
     pub fn obstacle(&self) -> Option<usize> {
         match self {

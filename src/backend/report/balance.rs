@@ -7,7 +7,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CLOSED_LEDGER, EnergyLedger, Status, StepReport};
+use super::ledger::{CLOSED_LEDGER, EnergyLedger};
+use super::step_report::{Status, StepReport};
 
 /// Largest gain of energy over the energy that went in (1): the share of a path that a verdict
 /// allows as its error.
