@@ -1,12 +1,8 @@
 //! Steps that are taken by default, and the time scale of error control.
 
-use super::exact::SHORTEST_STEP;
+use super::numerics::{LONGEST_DEFAULT, SHORTEST_STEP};
 use super::options::{BackendKind, BackendOptions, Setting};
 use crate::model::System;
-
-/// Longest default step of the quasi-static method (s), the control period of the paper. The tips
-/// go so far in longer steps that jumps of the load are not recognised.
-const LONGEST_DEFAULT: f64 = 2.5e-3;
 
 /// Default step (s): the control period, but at most 2.5 ms. With inertia it is at most 1 ms and a
 /// tenth of a radian of the fastest oscillation, which gives a numerical damping ratio of at most

@@ -12,6 +12,7 @@ mod exact;
 pub mod friction;
 pub mod increment;
 mod interface;
+mod numerics;
 mod options;
 pub mod rapier;
 mod report;
@@ -24,14 +25,15 @@ mod tolerance;
 mod wrapped;
 
 pub use default_step::{default_step, step_of};
-pub use exact::{Integrator, LONGEST_MACRO_STEP, WORK_PER_SECOND};
+pub use exact::Integrator;
 pub use friction::ConeSolver;
 pub use interface::{Backend, Computes};
+pub use numerics::{CLARABEL_ACCURACY, CLOSED_LEDGER, LONGEST_MACRO_STEP, WORK_PER_SECOND};
 pub use options::{BackendKind, BackendOptions, Setting};
 pub use rapier::RapierOptions;
 pub use report::{
-    Balance, CLOSED_LEDGER, DefectParts, Doubts, EnergyLedger, ImpactLaw, Motion, PoseError, RestoreError, SaveError, SavedState,
-    SideContact, Skip, SkipCounts, Skips, Status, StepReport, Transition, TransitionCounts, TransitionKind, closed_share, judge_exact,
+    Balance, DefectParts, Doubts, EnergyLedger, ImpactLaw, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, Skip,
+    SkipCounts, Skips, Status, StepReport, Transition, TransitionCounts, TransitionKind, closed_share, judge_exact,
 };
 pub use shared::Shared;
 pub use springs::{AttachedTip, AttachedTips};
@@ -42,8 +44,8 @@ pub use wrapped::{Hook, Wrapped};
 use crate::model::System;
 use default_step::settling_time;
 use exact::{Column, Control, Exact};
+use numerics::CHECK_SHARE;
 use tandem::tandem;
-use tolerance::CHECK_SHARE;
 
 /// Backend that the options ask for.
 ///

@@ -1,6 +1,7 @@
 //! How a duration is divided into steps.
 
 use super::exact::Control;
+use super::numerics::IGNORED_EXCESS;
 
 /// How an exact backend divides an advance into steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,9 +15,8 @@ pub enum Stepping {
 /// Number of the fewest equal steps of at most `longest` (s) that make up `duration` (s). An excess
 /// of 1e-9 of a step is ignored, so that a multiple of the step up to rounding is divided exactly.
 pub fn n_steps_in(duration: f64, longest: f64) -> u64 {
-    const IGNORED: f64 = 1e-9;
-    if duration <= (1.0 + IGNORED) * longest {
+    if duration <= (1.0 + IGNORED_EXCESS) * longest {
         return 1;
     }
-    (duration / longest - IGNORED).ceil().max(1.0) as u64
+    (duration / longest - IGNORED_EXCESS).ceil().max(1.0) as u64
 }

@@ -14,23 +14,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::interface::Backend;
+use super::numerics::{SHARED_AT_OBSTACLES, SHARED_ERROR, TANDEM_SAFETY};
 use super::report::{PoseError, RestoreError, SaveError, SavedState, StepReport};
 use super::tolerance::Tolerance;
 use super::wrapped::{Hook, Wrapped};
 use crate::math::Vec2;
 use crate::model::System;
-
-/// Bound of the error over the largest distance of the two runs (1). A located change is taken in
-/// two steps by one run and in one step by the other; to first order the error of the first is as
-/// large as the distance.
-const SAFETY: f64 = 2.0;
-/// Bound of the errors that both runs share, over the tolerance (1). On random scenes errors that
-/// exceed twice the distance move the edge by at most 0.06 of the tolerance; a shift and a turn of
-/// this share move it by 0.1.
-const SHARED: f64 = 0.05;
-/// The same at obstacles, where both runs meet the same touches. On random scenes such errors move
-/// the edge by up to 0.95 of the tolerance; a shift and a turn of this share move it by 1.
-const SHARED_AT_OBSTACLES: f64 = 0.5;
 
 /// The less exact of the two backends, and what the two runs show of the error.
 pub(super) struct Check {
@@ -44,7 +33,7 @@ pub(super) struct Check {
 /// The backend `answer`, with a bound of its pose error that `check` finds. Both keep to a share of
 /// `tolerance`.
 pub(super) fn tandem(answer: Box<dyn Backend>, check: Box<dyn Backend>, tolerance: &Tolerance, system: &System) -> Wrapped<Check> {
-    let share = if system.world.is_empty() { SHARED } else { SHARED_AT_OBSTACLES };
+    let share = if system.world.is_empty() { SHARED_ERROR } else { SHARED_AT_OBSTACLES };
     let shared = PoseError { position: share * tolerance.position_m, heading: share * tolerance.heading_rad };
     Wrapped { inside: answer, hook: Check { backend: check, shared, largest: PoseError::default() } }
 }
@@ -83,7 +72,7 @@ impl Hook for Check {
             return Some(self.largest);
         }
         let PoseError { position, heading } = self.largest;
-        Some(PoseError { position: SAFETY * position, heading: SAFETY * heading }.max(&self.shared))
+        Some(PoseError { position: TANDEM_SAFETY * position, heading: TANDEM_SAFETY * heading }.max(&self.shared))
     }
 
     fn companion<'a>(&'a self, _answer: &'a dyn Backend) -> Option<&'a dyn Backend> {

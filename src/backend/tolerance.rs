@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::exact::{Column, Control};
+use super::numerics::{LARGEST_MACRO_STEP_ERROR, MACRO_STEP_SHARE, MOST_TIGHTENED, SMALLEST_MACRO_STEP_ERROR};
 use super::report::PoseError;
 use crate::model::{Load, System};
 
@@ -19,20 +20,6 @@ pub struct Tolerance {
     #[serde(default)]
     pub tightened: u32,
 }
-
-/// Error of a macro-step over that of the run (1). The errors add up at first, until friction and
-/// springs bring the load back to its path.
-const MACRO_STEP_SHARE: f64 = 1e-4;
-/// Largest error of a macro-step over the load's radius (1). Beyond it the error is no longer small
-/// compared with the quantities that it is estimated from.
-const LARGEST_MACRO_STEP_ERROR: f64 = 1e-3;
-/// Smallest error of a macro-step over the load's radius (1). Below it the rounding of positions
-/// counts.
-const SMALLEST_MACRO_STEP_ERROR: f64 = 1e-13;
-/// Largest number of repetitions of a run with smaller errors of the macro-steps.
-const MOST_TIGHTENED: u32 = 3;
-/// Tolerance of the run that checks another one, over that of the other (1).
-pub(super) const CHECK_SHARE: f64 = 4.0;
 
 impl Tolerance {
     /// Tolerance that allows a shift of `position_m` (m), and a turn by which the edge of the load

@@ -7,7 +7,7 @@ mod root;
 use std::fs;
 use std::process::Output;
 
-use cohaul::backend::friction::clarabel::ACCURACY;
+use cohaul::backend::CLARABEL_ACCURACY;
 use cohaul::backend::{BackendKind, BackendOptions, ConeSolver, Status};
 use cohaul::math::{Vec2, Vec3};
 use cohaul::scenario::Scenario;
@@ -108,8 +108,8 @@ fn clarabel_moves_the_load_as_the_exact_solver_does_but_by_other_bits() {
     assert_eq!((exact.steps.status, clarabel.steps.status), (Status::Converged, Status::Converged));
     let [a, b] = [exact, clarabel].map(|outcome| outcome.motion.pose);
     let (apart, way) = ((a.position - b.position).norm(), a.position.norm());
-    assert!(way > 0.04 && apart < ACCURACY * way && apart > 0.0, "{apart} of {way}");
-    assert!((a.heading - b.heading).abs() < ACCURACY && a.heading != b.heading);
+    assert!(way > 0.04 && apart < CLARABEL_ACCURACY * way && apart > 0.0, "{apart} of {way}");
+    assert!((a.heading - b.heading).abs() < CLARABEL_ACCURACY && a.heading != b.heading);
 }
 
 #[test]

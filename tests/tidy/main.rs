@@ -24,7 +24,7 @@ const FLOORS: [&str; 6] = ["math", "model", "scenario", "backend", "simulation",
 /// Floors inside `backend`, from the bottom to the top. Its hub `mod.rs` stands above all of them:
 /// it hands on what they define and builds backends.
 const BACKEND_FLOORS: [&[&str]; 7] = [
-    &["report"],
+    &["numerics", "report"],
     &["friction", "springs"],
     &["increment"],
     &["contact", "shortcuts"],
@@ -55,6 +55,10 @@ const FENCES: [(&str, &[&str]); 8] = [
     ("parry2d", &["src/backend/contact/", "src/model/geometry/"]),
     ("kuva", &["crates/report/src/chart/"]),
 ];
+
+/// Numeric constants of the backends outside of their table: sizes of lists and texts, and one in
+/// the precision of the engine.
+const N_CONSTANTS_ELSEWHERE: usize = 4;
 
 const MAX_FILE_LINES: usize = 400;
 const MAX_FUNCTION_LINES: usize = 60;
@@ -169,6 +173,21 @@ fn files_and_functions_are_short() {
 }
 
 #[test]
+fn numeric_constants_of_the_backends_stand_in_their_table() {
+    const TABLE: &str = "src/backend/numerics.rs";
+    let others = SRC.iter().filter(|file| file.path.starts_with("src/backend/") && file.path != TABLE && !file.is_test());
+    let findings: Vec<Finding> = others
+        .flat_map(|file| {
+            file.numeric_constants().into_iter().map(|(name, line)| Finding::new(&file.path, line, format!("{name} is not in {TABLE}")))
+        })
+        .collect();
+    if findings.len() != N_CONSTANTS_ELSEWHERE {
+        expect_none("constants", findings);
+        panic!("no constant stands outside of {TABLE}: the rule allows {N_CONSTANTS_ELSEWHERE}");
+    }
+}
+
+#[test]
 fn the_source_and_the_readme_stay_small() {
     let n_lines = |path: &str| fs::read_to_string(source::root().join(path)).map_or(0, |text| text.lines().count());
     let mut findings = Vec::new();
@@ -262,12 +281,17 @@ fn the_rules_find_what_they_are_for() {
     let file = Source::new(
         "src/math/made_up.rs",
         "use crate::cli::{run::{self, Run}, Args};\n/// Own error on the rim.\nfn long() {\n    let _ = clap::Arg::new(\"x\");\n}\n\
-         #[cfg(test)]\npub(super) mod tests {\n    fn untold() {}\n}\n",
+         const NEAR: f64 = 1e-9;\npub const STEPS: [u32; 2] = [1, 4];\nconst NAME: &str = \"\";\nfn sized<const N: usize>() {}\n\
+         #[cfg(test)]\npub(super) mod tests {\n    const FAR: f64 = 1.0;\n    fn untold() {}\n}\n",
     );
+    assert_eq!(file.numeric_constants(), [("NEAR", 6), ("STEPS", 7)]);
     let names: Vec<String> = file.paths().iter().map(|path| path.names.join("::")).collect();
     assert_eq!(names, ["crate::cli::run::self", "crate::cli::run::Run", "crate::cli::Args"]);
-    assert_eq!(file.functions().iter().map(|function| (function.name.as_str(), function.n_lines)).collect::<Vec<_>>(), [("long", 3)]);
-    assert_eq!(file.n_code_lines(), 4);
+    assert_eq!(
+        file.functions().iter().map(|function| (function.name.as_str(), function.n_lines)).collect::<Vec<_>>(),
+        [("long", 3), ("sized", 1)]
+    );
+    assert_eq!(file.n_code_lines(), 8);
     assert!(file.crates_named().iter().any(|(name, line)| name == "clap" && *line == 4));
     let found = words::private_words("x", 1, &file.texts()[0].text);
     assert_eq!(found.len(), 2, "own error, rim");

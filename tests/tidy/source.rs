@@ -194,6 +194,19 @@ impl Source {
         found
     }
 
+    /// Names and lines of constants that are numbers, or lists of numbers.
+    pub fn numeric_constants(&self) -> Vec<(&str, usize)> {
+        const NUMBERS: [&str; 10] = ["f32", "f64", "Real", "i32", "i64", "u8", "u16", "u32", "u64", "usize"];
+        let is = |at: usize, text: &str| self.tokens.get(at).is_some_and(|token| token.text == text);
+        let is_numeric = |at: &usize| {
+            let kind = at + 3 + usize::from(is(at + 3, "["));
+            let end = if kind == at + 3 { kind } else { closing(&self.tokens, at + 3) };
+            NUMBERS.iter().any(|number| is(kind, number)) && is(end + 1, "=")
+        };
+        let constants = (0..self.tokens.len()).filter(|at| is(*at, "const") && is(at + 2, ":")).filter(is_numeric);
+        constants.map(|at| (self.tokens[at + 1].text.as_str(), self.tokens[at].line)).collect()
+    }
+
     /// Names that the file defines, at its top level or within its items.
     pub fn definitions(&self) -> BTreeSet<&str> {
         const KEYWORDS: [&str; 9] = ["fn", "struct", "enum", "trait", "type", "const", "static", "union", "mod"];

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Local, Locals, Sides, gap_rounding};
+use super::candidates::{Candidate, Candidates, ContactStep, Local, Locals, Sides, gap_rounding};
 use super::newton::Newton;
 use super::obstacles::{Obstacles, Scope, SideWork, Task, mobility};
 use super::solve::{SideForce, SideMode};
@@ -11,6 +11,7 @@ use super::surroundings::{Pair, PairKey, Surroundings};
 use super::touching::{Touching, on_load};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, Straight};
+use crate::backend::numerics::{CLOSED_GAP, KEPT_GAP};
 use crate::backend::report::{Status, StepReport};
 use crate::backend::springs::Place;
 use crate::math::{Vec3, increment_of};
@@ -76,7 +77,7 @@ impl Obstacles {
     /// Opens the contacts that features leave by their ends at an increment, and closes those that
     /// continue them, in the mode of one that was left. Returns whether none is left.
     fn stay_in_place(&self, course: &mut Straight, candidates: &[Candidate], sides: &mut Sides, at: &Vec3) -> bool {
-        let closed = CLOSED * course.length();
+        let closed = CLOSED_GAP * course.length();
         let mut locals = Locals::new();
         ContactStep { step: course, surroundings: &self.surroundings, candidates, start_at: Vec3::zeros(), most_steps: 0 }
             .fill_locals(at, &mut locals);
@@ -113,7 +114,7 @@ impl Obstacles {
         Answer { found, candidates, .. }: &Answer,
         touching: &mut Vec<Touching>,
     ) -> SideWork {
-        let closed = 10.0 * CLOSED * system.load.radius;
+        let closed = KEPT_GAP * system.load.radius;
         let rounding = gap_rounding(&start.pose, system.load.radius);
         let mut work = SideWork::default();
         let last = std::mem::take(touching);
@@ -167,7 +168,7 @@ impl Obstacles {
     pub fn overlaps(&self, system: &System, key: &PairKey, at: &Place, time: f64) -> bool {
         let seen = Surroundings::relative(at, &system.world.obstacles[key.obstacle].path.pose_at(time));
         let pair = self.surroundings.pair(system, *key);
-        pair.features.gap(&seen) < -10.0 * CLOSED * system.load.radius && self.surroundings.beyond(&pair, [&seen; 2]) <= 0.0
+        pair.features.gap(&seen) < -KEPT_GAP * system.load.radius && self.surroundings.beyond(&pair, [&seen; 2]) <= 0.0
     }
 
     /// Share of the increment after which the load meets a feature that its candidates leave out.
@@ -197,7 +198,7 @@ impl Obstacles {
 /// Whether features without a force are past each other at the end: beside each other there, they
 /// may have touched on the way.
 pub fn passes_beside(candidates: &[Candidate], found: &Found, radius: f64) -> bool {
-    let is_past = |it: &Candidate| it.pair.features.gap(&it.start.moved_by(&found.increment.twist)) < it.closed - CLOSED * radius;
+    let is_past = |it: &Candidate| it.pair.features.gap(&it.start.moved_by(&found.increment.twist)) < it.closed - CLOSED_GAP * radius;
     candidates.iter().zip(&found.sides).any(|(it, (_, force))| force.normal == 0.0 && is_past(it))
 }
 

@@ -6,16 +6,10 @@ use smallvec::SmallVec;
 use super::solve::{SideForce, SideMode};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::increment::Course;
+use crate::backend::numerics::GAP_ROUNDING;
 use crate::backend::springs::Place;
 use crate::math::{Pose, Vec3};
 use crate::model::Reaction;
-
-/// Gap over the load's radius that is rounding (1).
-pub const CLOSED: f64 = 1e-11;
-/// Rounding of a gap and of a slip, over the sum of the lengths that they come from (1). In a step,
-/// a load that leans on a corner may move by no more than thousands of it, and a slip that is
-/// rounding must not point its friction.
-const ROUNDED: f64 = 2.0 * f64::EPSILON;
 
 /// A pair of features that may touch in a step.
 #[derive(Clone, Debug)]
@@ -45,7 +39,7 @@ impl Candidate {
 
 /// Rounding of the gap and of the slip of a load of this `length` (m) at a pose.
 pub fn gap_rounding(pose: &Pose, length: f64) -> f64 {
-    ROUNDED * (pose.position.norm() + length * (1.0 + pose.heading.abs()))
+    GAP_ROUNDING * (pose.position.norm() + length * (1.0 + pose.heading.abs()))
 }
 
 /// Candidates of a step.

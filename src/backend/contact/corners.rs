@@ -25,28 +25,9 @@ use smallvec::SmallVec;
 
 use super::features::Corner;
 use super::surroundings::{Pair, PairKind, Surroundings};
+use crate::backend::numerics::{ALIKE, ALONG, CONE_ROUNDING, CORNER_ROUNDING, DEEP, EDGE_END, FLUSH_OVERLAP};
 use crate::backend::springs::Place;
 use crate::math::{Mat2, Vec2, perpendicular};
-
-/// Overlap over the load's radius that is none (1): the least step in a wall that stops a load.
-/// Closed gaps are a hundredth of it, and rounding of many steps is less.
-const FLUSH: f64 = 1e-9;
-/// Rounding of a gap over the distance between load and obstacle (1).
-const ROUNDED: f64 = 16.0 * f64::EPSILON;
-/// Distance over the load's radius from the end of an edge up to which corner meets corner (1).
-/// Inside an edge the Gauss map decides nothing, so that this may be anything above [`FLUSH`].
-const AT_END: f64 = 1e-3;
-/// Overlap over the load's radius by which a closed face is crossed (1): as deep as features may
-/// overlap when a step begins.
-const DEEP: f64 = 1e-6;
-/// Sine of the angle by which a normal may lie outside of a cone (1): rounding.
-const PARALLEL: f64 = 1e-7;
-/// Sine of the angle between two edges that lie along each other (1), and cosine of that between
-/// the normals of two faces that are one: 0.1 rad. The turn of a load in a step may make them
-/// parallel. They touch at both ends of what they share, and which of the two ends has the face
-/// depends on the sign of the angle.
-const ALONG: f64 = 0.1;
-pub const ALIKE: f64 = 0.995;
 
 /// What a normal is for two corners that meet.
 enum Meeting {
@@ -83,7 +64,7 @@ impl Vertex<'_> {
     /// Whether a normal lies in both normal cones, but for this sine of an angle (1) to an edge
     /// that lies along that of the pair.
     fn is_in_cones(&self, normal: &Vec2, turn: &Mat2, along: f64) -> [bool; 2] {
-        let allowed = |edge: &Vec2| if edge.dot(&self.along) > 0.0 { along } else { PARALLEL };
+        let allowed = |edge: &Vec2| if edge.dot(&self.along) > 0.0 { along } else { CONE_ROUNDING };
         let of_load = self.corner.edges.iter().map(|edge| turn * edge).all(|edge| edge.dot(normal) >= -allowed(&edge));
         [of_load, self.other.edges.iter().all(|edge| edge.dot(normal) <= allowed(edge))]
     }
@@ -104,7 +85,7 @@ impl Vertex<'_> {
         let of_load = self.corner.edges.iter().flat_map(both).map(Face::OfLoad);
         let is_other = |face: &Face| {
             let at = face.normal(turn);
-            at.dot(normal) < ALIKE && self.is_in_cones(&at, turn, PARALLEL) == [true; 2]
+            at.dot(normal) < ALIKE && self.is_in_cones(&at, turn, CONE_ROUNDING) == [true; 2]
         };
         of_obstacle.chain(of_load).filter(is_other).collect()
     }
@@ -118,7 +99,7 @@ impl Vertex<'_> {
 impl Surroundings {
     /// Overlap that is none (m) for a load at this place in an obstacle's frame.
     pub fn flush(&self, at: &Place) -> f64 {
-        FLUSH * self.radius + ROUNDED * at.pose.position.norm()
+        FLUSH_OVERLAP * self.radius + CORNER_ROUNDING * at.pose.position.norm()
     }
 
     /// Distance by which the features of a pair are from touching each other along their edges (m),
@@ -128,7 +109,7 @@ impl Surroundings {
     /// face covers them.
     pub fn beyond(&self, pair: &Pair, [before, at]: [&Place; 2]) -> f64 {
         let (beside, flush) = (self.beside(&pair.key, at), self.flush(at));
-        let is_at_end = beside >= -AT_END * self.radius;
+        let is_at_end = beside >= -EDGE_END * self.radius;
         if beside > flush || pair.key.kind == PairKind::PointOnPoint || !is_at_end && pair.features.gap(at) >= -flush {
             return beside;
         }

@@ -5,23 +5,13 @@
 //! outlines cross at its end that did not at its start, it is halved until features overlap. What
 //! overlaps in between alone leaves no trace: a corner that is clipped by less than a piece.
 
-use super::candidates::CLOSED;
 use super::obstacles::{Obstacles, Task};
 use super::surroundings::{Pair, PairKey, Surroundings};
 use super::touching::Touching;
+use crate::backend::numerics::{CLOSED_GAP, CROSSED, MOST_PIECES, PIECE, PIECE_HALVINGS};
 use crate::backend::springs::Place;
 use crate::math::Vec3;
 use crate::model::System;
-
-/// Share of the smallest feature that a load moves by in one piece (1).
-pub(super) const PIECE: f64 = 0.25;
-/// Most pieces of a displacement that are looked at (1). A longer one is cut behind them.
-const MOST_PIECES: usize = 4096;
-/// Most times that a piece is halved at whose end outlines cross (1): down to rounding.
-const MOST_HALVINGS: usize = 40;
-/// Depth over the load's radius by which outlines cross (1): a hundred times what a contact may
-/// overlap by, so that those that touch corner to corner do not.
-const CROSSED: f64 = 1e-8;
 
 /// A straight displacement of a load, along which the `kept` contacts stay closed.
 pub(super) struct Displacement<'a> {
@@ -121,8 +111,8 @@ impl Obstacles {
         is_new: impl Fn(&Pair) -> bool,
         pairs: &mut Vec<Pair>,
     ) -> Option<[f64; 2]> {
-        let closed = CLOSED * system.load.radius;
-        for halving in 0..=MOST_HALVINGS {
+        let closed = CLOSED_GAP * system.load.radius;
+        for halving in 0..=PIECE_HALVINGS {
             let Piece { shares: [from, to], places: [here, there], times: [now, then] } = piece;
             let of_piece = there.pose.edge_displacement(&here.pose, system.load.radius);
             let reach = 1.001 * (of_piece + self.surroundings.longest_path(system, now, then)) + closed;
@@ -165,7 +155,7 @@ impl Obstacles {
         if moved == 0.0 || !known.iter().any(|(_, touches)| *touches) {
             return false;
         }
-        let closed = CLOSED * system.load.radius;
+        let closed = CLOSED_GAP * system.load.radius;
         let mut pairs = Vec::new();
         self.surroundings.pairs(system, start, task.from, 1.001 * moved + closed, &mut pairs);
         let end = start.moved_by(twist);

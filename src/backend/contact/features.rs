@@ -2,16 +2,9 @@
 
 use smallvec::SmallVec;
 
+use crate::backend::numerics::{PIECE, STRAIGHT_EDGE};
 use crate::math::{Vec2, perpendicular};
 use crate::model::{Outline, OutlinePart};
-
-/// Sine of the angle between two edges below which they are one (1): the corner between them can
-/// not be touched before they are.
-pub const STRAIGHT: f64 = 1e-9;
-
-/// Length by which edges go on behind an enclosed corner, over that of the shorter one (1): as far
-/// as a load may move in one piece.
-const BEHIND: f64 = 0.25;
 
 /// A convex corner, or the centre of a disc.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +96,7 @@ impl Edge {
     /// Whether the edge ends at a point.
     pub fn ends_at(&self, point: &Vec2) -> bool {
         let offset = point - self.from;
-        offset.norm().min((offset - self.length * self.along).norm()) <= STRAIGHT * self.length
+        offset.norm().min((offset - self.length * self.along).norm()) <= STRAIGHT_EDGE * self.length
     }
 
     /// Distance by which a point lies beyond the ends of the edge, along it (m); negative between
@@ -188,7 +181,7 @@ impl Features {
             let edge = Edge::between(at, &corners[(k + 1) % n], false);
             let before = (corners[(k + n - 1) % n] - at).normalize();
             // The interior lies on the left, so that a convex corner turns left.
-            if (-before).perp(&edge.along) > STRAIGHT {
+            if (-before).perp(&edge.along) > STRAIGHT_EDGE {
                 of_points[k] = Some(self.corners.len());
                 self.corners.push(Corner::new(at, SmallVec::from_slice(&[before, edge.along])));
             }
@@ -204,8 +197,8 @@ impl Features {
     fn join(&mut self, one: usize, other: usize) {
         let [first, second] = [self.edges[one], self.edges[other]];
         let turn = first.along.perp(&second.along);
-        if turn.abs() > STRAIGHT {
-            let behind = BEHIND * first.length.min(second.length) * turn.signum();
+        if turn.abs() > STRAIGHT_EDGE {
+            let behind = PIECE * first.length.min(second.length) * turn.signum();
             self.edges[one].behind[1] = behind;
             self.edges[other].behind[0] = behind;
         }
@@ -217,7 +210,7 @@ impl Features {
             let before = k.checked_sub(1).map(|k| (points[k] - at).normalize());
             let after = points.get(k + 1).map(|next| (next - at).normalize());
             let is_straight =
-                before.zip(after).is_some_and(|(before, after)| before.perp(&after).abs() <= STRAIGHT && before.dot(&after) < 0.0);
+                before.zip(after).is_some_and(|(before, after)| before.perp(&after).abs() <= STRAIGHT_EDGE && before.dot(&after) < 0.0);
             if !is_straight {
                 of_points[k] = Some(self.corners.len());
                 self.corners.push(Corner::new(at, before.into_iter().chain(after).collect()));

@@ -16,7 +16,7 @@
 //! step is a velocity. A body twist of the load is the same in the frame of a moving obstacle, so
 //! that the derivatives by an increment hold there as well.
 
-use super::features::STRAIGHT;
+use crate::backend::numerics::STRAIGHT_EDGE;
 use crate::backend::springs::{Place, Travel};
 use crate::math::{Mat3, Vec2, Vec3, perpendicular, unwrap_near};
 use crate::model::Reaction;
@@ -57,7 +57,7 @@ impl FeaturePair {
     pub fn is_in_line(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::PointOnLine { normal, .. }, Self::PointOnLine { normal: other, .. })
-            | (Self::LineOnPoint { normal, .. }, Self::LineOnPoint { normal: other, .. }) => (normal - other).norm() <= STRAIGHT,
+            | (Self::LineOnPoint { normal, .. }, Self::LineOnPoint { normal: other, .. }) => (normal - other).norm() <= STRAIGHT_EDGE,
             _ => false,
         }
     }

@@ -11,16 +11,11 @@
 //! of the other piece (the separating axis theorem). Steps decide by pairs of corners and edges
 //! (`corners`); that they agree with this is asked of every pose that is accepted.
 
+use crate::backend::numerics::{GATE_ROUNDING, INSIDE};
 use crate::backend::springs::Place;
 use crate::math::{Vec2, perpendicular};
 use crate::model::geometry::{ConvexPiece, convex_pieces};
 use crate::model::{Outline, System};
-
-/// Depth over the load's radius beyond which a load lies inside an obstacle (1): ten times the
-/// overlap up to which a step in a wall is none.
-const INSIDE: f64 = 1e-8;
-/// Rounding of positions and of outlines over the lengths that they come from (1).
-const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
 /// A convex piece with its faces.
 #[derive(Clone, Debug)]
@@ -121,7 +116,7 @@ impl Gate {
     /// what is rounding.
     pub fn depth(&self, obstacle: usize, at: &Place) -> f64 {
         let body = &self.obstacles[obstacle];
-        let allowed = INSIDE * self.load.extent + ROUNDED * (at.pose.position.norm() + body.extent);
+        let allowed = INSIDE * self.load.extent + GATE_ROUNDING * (at.pose.position.norm() + body.extent);
         let pairs = body.pieces.iter().flat_map(|piece| self.load.pieces.iter().map(move |load| (piece, load)));
         let least = pairs.map(|(piece, load)| piece.separation(load, at, -allowed)).fold(0.0, f64::min);
         if least < -allowed { -least } else { 0.0 }

@@ -11,6 +11,7 @@ use super::solve::{ContactRow, ContactSystem, PerContact, SideForce, SideMode, s
 use super::surroundings::{Pair, PairKey, Surroundings};
 use super::touching::Touching;
 use crate::backend::friction::FrictionSolver;
+use crate::backend::numerics::{CLOSED_SPEED, CREEPING, SINGULAR_GAIN};
 use crate::backend::report::{ImpactLaw, Motion};
 use crate::backend::springs::Place;
 use crate::math::{Mat3, Pose, Twist, Vec2, Vec3, perpendicular};
@@ -70,14 +71,6 @@ pub struct Reflection {
     /// The law that the velocity follows; `None` for a touch without an approach above rounding.
     pub law: Option<ImpactLaw>,
 }
-
-/// Speed of separation or approach over the largest speed at which a contact counts as closed (1).
-const STAYS: f64 = 1e-9;
-/// Slip over half of what the curvature adds to it within a step, up to which it may stop within
-/// the step or have just begun (1): as for supports.
-const CREEPING: f64 = 4.0;
-/// Singular value over the largest one that is rounding (1).
-const SINGULAR: f64 = 1e-10;
 
 impl Obstacles {
     /// Features that a load passes through between two poses within two times (s), besides the
@@ -150,7 +143,7 @@ impl Obstacles {
         let hardest = pairs.iter().zip(&struck).map(|(pair, struck)| (pair.key.obstacle, struck.rate(&before)));
         let (obstacle, rate) = hardest.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((reference, 0.0));
         let largest = speed(&before, system.load.radius).max(speed(&in_world(&motion.twist), system.load.radius));
-        let is_impact = -rate > limits.rounding.max(STAYS * largest);
+        let is_impact = -rate > limits.rounding.max(CLOSED_SPEED * largest);
         Reflection { twist, loss, of_obstacles: if is_moved { of_obstacles } else { 0.0 }, obstacle, law: is_impact.then_some(law) }
     }
 
@@ -212,7 +205,7 @@ impl Obstacles {
         // A twist has three parts, and closed gaps come first.
         slips.truncate(3usize.saturating_sub(rates.len()));
         rates.extend(slips);
-        let none = STAYS * STAYS * speed(&in_world(&motion.twist), system.load.radius);
+        let none = CLOSED_SPEED * CLOSED_SPEED * speed(&in_world(&motion.twist), system.load.radius);
         let change = if rates.iter().all(|rate| rate.change.abs() <= none) { None } else { change_by_impulses(&mobility(system), &rates) }?;
         Some(Twist { linear: motion.twist.linear + place.turn * change.xy(), angular: motion.twist.angular + change.z })
     }
@@ -254,10 +247,10 @@ impl Obstacles {
     /// Contacts that stay closed at this relative twist.
     fn closed_after(&self, system: &System, pairs: &[Pair], struck: &[Struck], after: &Vec3, place: &Place, time: f64) -> Vec<Touching> {
         let speed = speed(after, system.load.radius);
-        let stays = |(_, struck): &(&Pair, &Struck)| struck.rate(after) <= STAYS * speed;
+        let stays = |(_, struck): &(&Pair, &Struck)| struck.rate(after) <= CLOSED_SPEED * speed;
         let touching = |(pair, Struck { row, .. }): (&Pair, &Struck)| {
             let slip = row.slip + row.tangent.dot(after);
-            let mode = if slip.abs() <= STAYS * speed { SideMode::Stick } else { SideMode::Slide { forward: slip > 0.0 } };
+            let mode = if slip.abs() <= CLOSED_SPEED * speed { SideMode::Stick } else { SideMode::Slide { forward: slip > 0.0 } };
             let obstacle = system.world.obstacles[pair.key.obstacle].path.pose_at(time);
             let at = Surroundings::relative(place, &obstacle);
             Touching::new(pair, (pair.mode(mode), SideForce::default(), pair.features.slip(&at, 0.0)), &at, &obstacle)
@@ -271,7 +264,7 @@ impl Obstacles {
 /// between them infinitely often.
 fn without_hops(mass: &Mat3, struck: &[Struck], after: Vec3, limits: &SpeedLimits, radius: f64) -> Vec3 {
     let slow: PerContact<&Struck> = struck.iter().filter(|struck| struck.rate(&after) <= limits.softest).collect();
-    let rounding = STAYS * limits.softest;
+    let rounding = CLOSED_SPEED * limits.softest;
     if slow.iter().all(|struck| struck.rate(&after).abs() <= rounding) {
         return after;
     }
@@ -316,7 +309,7 @@ fn change_by_impulses(mobility: &Vec3, rates: &[Rate]) -> Option<Vec3> {
     let moved = DMatrix::from_fn(3, rates.len(), |axis, k| rates[k].along[axis] * mobility[axis]);
     let wanted = DVector::from_fn(rates.len(), |k, _| rates[k].change);
     let gains = &rows * &moved;
-    let cutoff = SINGULAR * gains.amax();
+    let cutoff = SINGULAR_GAIN * gains.amax();
     let change = moved * (gains.pseudo_inverse(cutoff).ok()? * wanted);
     Some(Vec3::new(change[0], change[1], change[2]))
 }

@@ -25,6 +25,7 @@ use nalgebra::Vector3;
 
 use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, solve_contacts};
 use crate::backend::friction::FrictionSolver;
+use crate::backend::numerics::{CLOSED_SPEED, GAINED_ENERGY, POISSON_IMPACTS};
 use crate::backend::report::ImpactLaw;
 use crate::math::{Mat3, Vec3};
 use crate::model::Ground;
@@ -61,14 +62,6 @@ pub struct Rebound {
     pub law: ImpactLaw,
 }
 
-/// Relative gain of energy that is rounding (1).
-const GAINED: f64 = 1e-12;
-/// Speed of approach over the largest speed that is rounding (1).
-const STAYS: f64 = 1e-9;
-/// Most impacts in turn by Poisson's law (1). A contact that parted before an impact may approach
-/// after it, and is met by a plastic one.
-const MOST_IN_TURN: usize = 4;
-
 /// The impact of a load of this `mass` matrix (kg, kg, kg m^2) and `radius` (m) with the velocity
 /// `before` (m/s, m/s, rad/s; load axes).
 pub fn rebound(mass: &Mat3, radius: f64, struck: &[Struck], before: &Vec3) -> Rebound {
@@ -96,7 +89,7 @@ impl Impact<'_> {
     fn newton(&mut self, before: &Vec3) -> Option<Rebound> {
         let answer = self.solved(before, true)?;
         let work = self.work(&answer.forces, 1.0);
-        let is_gain = self.loss(before, &answer.increment, work) < -GAINED * (self.energy(before) + work.abs());
+        let is_gain = self.loss(before, &answer.increment, work) < -GAINED_ENERGY * (self.energy(before) + work.abs());
         (!is_gain).then_some(Rebound { after: answer.increment, work, law: ImpactLaw::Newton })
     }
 
@@ -106,7 +99,7 @@ impl Impact<'_> {
         let scale = 1.0 + pushes.map(|(struck, _)| struck.restitution).fold(0.0, f64::max);
         let mut after = before + scale * (plastic.increment - before);
         let mut work = self.work(&plastic.forces, scale);
-        for _ in 0..MOST_IN_TURN {
+        for _ in 0..POISSON_IMPACTS {
             if !self.approaches(&after) {
                 return Some(Rebound { after, work, law: ImpactLaw::Poisson });
             }
@@ -126,7 +119,7 @@ impl Impact<'_> {
     }
 
     fn approaches(&self, twist: &Vec3) -> bool {
-        self.struck.iter().any(|struck| struck.rate(twist) < -STAYS * self.speed)
+        self.struck.iter().any(|struck| struck.rate(twist) < -CLOSED_SPEED * self.speed)
     }
 
     fn energy(&self, twist: &Vec3) -> f64 {

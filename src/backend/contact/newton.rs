@@ -3,10 +3,11 @@
 
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, ContactStep, Local, Locals, Sides};
+use super::candidates::{ContactStep, Local, Locals, Sides};
 use super::linear::{Linear, Rows};
 use super::solve::{Basis, SideForce, SideMode};
-use crate::backend::increment::{Course, LONGEST_TURN};
+use crate::backend::increment::Course;
+use crate::backend::numerics::{BALANCED, CLOSED_GAP, CONTACT_ITERATIONS, LONGEST_TURN, MOST_ABOUT_PIVOT, PARALLEL_NORMALS, STALLED};
 use crate::backend::report::StepReport;
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::support::{slip_velocity, wrench_of};
@@ -32,18 +33,6 @@ struct Pin {
     force: Vec2,
 }
 
-/// Most forces of contacts on a load that turns about a support (1): a turn has one degree of
-/// freedom.
-const MOST_ABOUT_PIVOT: usize = 1;
-/// Iterations at most; a guess that needs more was not near.
-const MOST_ITERATIONS: usize = 12;
-/// Residual over the forces at which the method is done (1), a hundred roundings, and up to which
-/// it may end where it no longer improves.
-const DONE: f64 = 3e-14;
-const STALLED: f64 = 1e-11;
-/// Difference of normals that are parallel (1): rounding.
-const PARALLEL: f64 = 1e-9;
-
 impl<C: Course> ContactStep<'_, C> {
     /// Newton's method from a guess, for a load that slips on all supports in these contact modes,
     /// or on all but the one at `pivot` (m, load axes), about which it turns. `None` where it does
@@ -66,10 +55,10 @@ impl<C: Course> ContactStep<'_, C> {
         if sides.iter().map(|(mode, _)| n_forces(*mode)).sum::<usize>() > 3 {
             system.hold(self.dependent(&sides, &locals));
         }
-        for iteration in 0..MOST_ITERATIONS {
+        for iteration in 0..CONTACT_ITERATIONS {
             self.newton_system(&at, pin.as_ref(), &sides, &mut system, &mut locals)?;
             let residual = system.residual();
-            let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
+            let is_done = residual <= BALANCED || residual <= STALLED && residual >= 0.5 * last;
             if is_done {
                 if !self.is_admissible(&sides, &locals) {
                     return None;
@@ -157,7 +146,7 @@ impl<C: Course> ContactStep<'_, C> {
             let is_alike = |index: &usize| {
                 sides[*index].0 == mode
                     && self.candidates[*index].pair.friction_coefficient == friction
-                    && (normal(*index) - normal(first)).norm() <= PARALLEL
+                    && (normal(*index) - normal(first)).norm() <= PARALLEL_NORMALS
             };
             let face: SmallVec<[usize; 8]> = (first..sides.len()).filter(is_alike).collect();
             if mode == SideMode::Open || face.len() < 3 {
@@ -200,7 +189,7 @@ impl<C: Course> ContactStep<'_, C> {
     /// Whether the forces push, the signs of slip are those of the modes, and no other pair of
     /// features overlaps.
     fn is_admissible(&self, sides: &Sides, locals: &[Local]) -> bool {
-        let closed = CLOSED * self.step.length();
+        let closed = CLOSED_GAP * self.step.length();
         sides.iter().zip(locals).zip(self.candidates).all(|(((mode, force), local), candidate)| {
             let slip = local.slip.energy;
             let friction = candidate.pair.friction_coefficient;

@@ -8,13 +8,13 @@
 
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, Candidate, Candidates, gap_rounding};
-use super::corners::ALIKE;
+use super::candidates::{Candidate, Candidates, gap_rounding};
 use super::gate::Gate;
 use super::surroundings::{Pair, Surroundings};
 use super::touching::Touching;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Increment, Step, minimise_step};
+use crate::backend::numerics::{ALIKE, KEPT_GAP, MOST_CLOSINGS, SOFTER};
 use crate::backend::springs::{Place, Travel};
 use crate::math::{Arc, Pose, Vec3, rotation};
 use crate::model::{ObstaclePath, System};
@@ -49,11 +49,6 @@ pub struct Resistance {
     /// Whether no softer one has failed.
     pub may_soften: bool,
 }
-
-/// Ratio of a resistance to that of the next leg of the same path (1). A leg is four times as long
-/// as the one before where that is possible. Where it is not, six attempts with twice the stiffness
-/// each reach eight times the resistance before.
-const SOFTER: f64 = 4.0;
 
 impl Resistance {
     pub fn softer(&self) -> f64 {
@@ -112,10 +107,6 @@ pub struct Obstacles {
     pub(super) clear: Option<(Place, f64, f64)>,
     gate: Gate,
 }
-
-/// Most rounds in which contacts are closed (1): each takes an error to its square, but for
-/// contacts that open each other.
-const MOST_CLOSINGS: usize = 12;
 
 impl Obstacles {
     /// Whether a contact is one of features that are there.
@@ -236,7 +227,7 @@ impl Obstacles {
     /// Pairs that a load may touch within `reach` (m).
     pub(super) fn pairs_within(&mut self, system: &System, at: &Place, time: f64, reach: f64) -> Vec<Pair> {
         let mut pairs = Vec::new();
-        self.surroundings.pairs(system, at, time, reach + 10.0 * CLOSED * system.load.radius, &mut pairs);
+        self.surroundings.pairs(system, at, time, reach + KEPT_GAP * system.load.radius, &mut pairs);
         pairs
     }
 
@@ -248,7 +239,7 @@ impl Obstacles {
     /// Whether a pair is closed.
     pub(super) fn is_closed(&self, system: &System, pair: &Pair, at: &Place, time: f64) -> bool {
         let seen = Surroundings::relative(at, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
-        let closed = 10.0 * CLOSED * system.load.radius;
+        let closed = KEPT_GAP * system.load.radius;
         pair.features.gap(&seen) <= closed && self.surroundings.beside(&pair.key, &seen) <= closed
     }
 

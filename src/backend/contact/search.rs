@@ -2,39 +2,19 @@
 //! and by shorter paths where the whole one has no answer.
 
 use super::answer::{Answer, carried, passes_beside, suggested};
-use super::candidates::{CLOSED, ContactStep};
-use super::displacement::PIECE;
+use super::candidates::ContactStep;
 use super::obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
-use super::step::{MOST_STEPS, MOST_STEPS_NEAR};
 use super::touching::Touching;
 use crate::backend::friction::{FrictionSolver, WarmStart};
 use crate::backend::increment::{Coasting, Course, Increment, Objective, Step};
+use crate::backend::numerics::{
+    CLOSED_GAP, FIRST_REACH, FIRST_YIELD, LINEAR_STEPS, LINEAR_STEPS_NEAR, LONGEST_INCREMENT, LONGEST_REACH, MOST_RESISTANCES,
+    MOTION_HALVINGS, PIECE, REACH_ATTEMPTS, SHORTEST_INCREMENT, STIFFER, STIFFER_AGAIN,
+};
 use crate::backend::report::{Status, StepReport};
 use crate::math::{Vec2, Vec3};
 use crate::model::System;
 use crate::stop;
-
-/// Most times that the motion of the obstacles in a step is halved (1).
-const MOST_HALVINGS: i32 = 6;
-/// Displacement over the load's radius to which the first resistance holds the load (1), the ratio
-/// of one resistance to the one before, and their number.
-const SOFTEST: f64 = 0.3;
-const STIFFER: f64 = 8.0;
-const MOST_RESISTANCES: usize = 6;
-/// The ratio where a leg before on the same path has shown what resistance holds the load (1).
-const STIFFER_AGAIN: f64 = 2.0;
-/// Increment, over the load's radius, that is none (1).
-const SHORTEST: f64 = 1e-9;
-/// Increment over the load's radius beyond which it is no answer (1): there a gap as small as a
-/// contact may have is far below the rounding of positions. Where nothing resists, and rounding
-/// alone says that contacts can be met, increments overflow.
-const FARTHEST: f64 = 1e9;
-/// Most attempts with farther and farther features (1).
-const MOST_ATTEMPTS: usize = 12;
-/// Reach of the first look for features, over the load's radius, and of the last one (1). Paths
-/// beyond it are cut where they would pass through one.
-const REACH: f64 = 0.01;
-const LONGEST_REACH: f64 = 2.0;
 
 /// The search for the answer of a step.
 struct Search<'a, 's> {
@@ -117,7 +97,7 @@ impl Search<'_, '_> {
     fn shorter(&mut self, task: &Task) -> Option<Ended> {
         let warm_start = self.solver.warm_start().clone();
         let moves = self.obstacles.surroundings.longest_path(self.system, task.from, task.to) > 0.0;
-        for halving in 1..=if moves { MOST_HALVINGS } else { 0 } {
+        for halving in 1..=if moves { MOTION_HALVINGS } else { 0 } {
             let share = 0.5f64.powi(halving);
             let to = task.from + share * (task.to - task.from);
             self.begin_again(&warm_start);
@@ -128,11 +108,11 @@ impl Search<'_, '_> {
         }
         let length = self.system.load.radius;
         let gradient = self.step.gradient(&Vec3::zeros());
-        let first = || (gradient.xy().norm() + gradient.z.abs() / length) / (SOFTEST * length);
+        let first = || (gradient.xy().norm() + gradient.z.abs() / length) / (FIRST_YIELD * length);
         let (stiffness, ratio) = task.resistance.map_or_else(|| (first(), STIFFER), |last| (last.softer(), STIFFER_AGAIN));
         self.begin_again(&warm_start);
         let found = self.held(task, stiffness, ratio)?;
-        (found.resistance?.moved > SHORTEST * length).then_some(found)
+        (found.resistance?.moved > SHORTEST_INCREMENT * length).then_some(found)
     }
 
     /// Answer against the first resistance that has one, of a stiffness (N/m) and, in turn, of the
@@ -173,10 +153,10 @@ impl Search<'_, '_> {
         let longest = 2.0 * shift + LONGEST_REACH * radius;
         let coasting = step.potential.inertia.as_ref().map_or(0.0, |it| it.shift.norm() + radius * it.turn.abs());
         let expected = task.guess.as_ref().map_or(coasting, size);
-        let mut reach = (2.0 * shift + (REACH * radius).max(2.0 * expected)).min(longest);
+        let mut reach = (2.0 * shift + (FIRST_REACH * radius).max(2.0 * expected)).min(longest);
         // Features that touch are all that such a step looks at: it is taken once.
         let warm_start = (task.scope == Scope::Near).then(|| solver.warm_start().clone());
-        let most_steps = if task.has_inertia || task.may_jump { MOST_STEPS } else { MOST_STEPS_NEAR };
+        let most_steps = if task.has_inertia || task.may_jump { LINEAR_STEPS } else { LINEAR_STEPS_NEAR };
         let mut attempt = 0;
         loop {
             let candidates = obstacles.candidates(system, &start, task, reach, touching);
@@ -188,13 +168,13 @@ impl Search<'_, '_> {
             spent.n_solves += found.increment.report.n_solves;
             spent.n_iterations += found.increment.report.n_iterations;
             let length = size(&found.increment.twist);
-            if !length.is_finite() || length > FARTHEST * radius {
+            if !length.is_finite() || length > LONGEST_INCREMENT * radius {
                 found = contact.none(found.increment.report);
             }
             let moved = size(&found.increment.twist) + shift;
             // Candidates that hold all that the load can reach leave nothing to hit.
             let is_known = task.scope == Scope::Near
-                && 1.001 * moved + CLOSED * radius <= reach
+                && 1.001 * moved + CLOSED_GAP * radius <= reach
                 && moved <= PIECE * obstacles.surroundings.fineness()
                 && !passes_beside(&candidates, &found, radius);
             let hit = if is_known { None } else { obstacles.hit_of(system, &start, task, (&candidates, &found), touching) };
@@ -207,7 +187,7 @@ impl Search<'_, '_> {
                     || obstacles.comes_to_cross(system, &[start, place], [task.from, to])
             });
             let is_hit = hit.is_some() && cut.is_none() || overlaps_at_cut;
-            if let Some(warm_start) = warm_start.as_ref().filter(|_| is_hit && attempt < MOST_ATTEMPTS && reach < longest.min(2.0 * moved))
+            if let Some(warm_start) = warm_start.as_ref().filter(|_| is_hit && attempt < REACH_ATTEMPTS && reach < longest.min(2.0 * moved))
             {
                 reach = (4.0 * reach).min(2.0 * moved).min(longest);
                 solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");

@@ -13,11 +13,12 @@
 
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, Candidate, ContactStep, Local, Locals, Sides};
+use super::candidates::{Candidate, ContactStep, Local, Locals, Sides};
 use super::newton::Newton;
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, go_on_resting, may_rest, solve_contacts};
 use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite, shortened};
+use crate::backend::increment::{Course, Increment, Objective, Step, positive_definite, shortened};
+use crate::backend::numerics::{ALIGNED, CLOSED_GAP, FAILED_STEPS, KEPT_GAP, LARGEST_RESIDUAL, LONGEST_TURN, STEPS_ALIKE, STEPS_IN_FULL};
 use crate::backend::report::{Status, StepReport};
 use crate::math::{Mat3, Vec3};
 use crate::stop;
@@ -31,25 +32,6 @@ pub struct Found {
     /// Whether the load began to move although it could have gone on resting.
     pub could_rest: bool,
 }
-
-/// Largest number of linear steps, and for an answer that has to be near. Of those, nearly all are
-/// found in fewer.
-pub const MOST_STEPS: usize = 40;
-pub const MOST_STEPS_NEAR: usize = 10;
-/// Largest number of those without an answer, each of which takes as long as many with one.
-const MOST_FAILED: u32 = 3;
-/// Number of linear steps after which only half of each is taken, where the whole ones do not
-/// settle.
-const STEPS_IN_FULL: usize = 20;
-/// Residual of the last forces, over the forces, up to which nothing has changed for a load at rest
-/// (1): the largest one of a step that converges.
-const UNCHANGED: f64 = LARGEST_RESIDUAL;
-/// Cosine of the angle between linear steps that point the same way (1).
-const ALIKE: f64 = 0.9;
-/// Number of linear steps the same way after which they are doubled: most searches end in fewer.
-const FEW_ALIKE: i32 = 2;
-/// Longest step that they are extended to (1). The linear step says little beyond.
-const LONGEST_STRIDE: f64 = 0.5;
 
 /// How far the search goes along each linear step.
 ///
@@ -65,13 +47,13 @@ impl Pace {
     /// Share of the next linear step (1, 1, rad) that the load goes.
     fn stride(&mut self, step: &Vec3) -> f64 {
         let last = std::mem::replace(&mut self.last, *step);
-        let is_alike = step.dot(&last) >= ALIKE * step.norm() * last.norm() && 2.0 * step.norm() >= last.norm();
+        let is_alike = step.dot(&last) >= ALIGNED * step.norm() * last.norm() && 2.0 * step.norm() >= last.norm();
         self.n_alike = if is_alike { self.n_alike + 1 } else { 0 };
-        if self.n_alike < FEW_ALIKE {
+        if self.n_alike < STEPS_ALIKE {
             return 1.0;
         }
-        let longest = LONGEST_STRIDE / step.norm();
-        2f64.powi(self.n_alike + 1 - FEW_ALIKE).min(longest).max(1.0)
+        let longest = LONGEST_TURN / step.norm();
+        2f64.powi(self.n_alike + 1 - STEPS_ALIKE).min(longest).max(1.0)
     }
 }
 
@@ -124,7 +106,7 @@ impl ContactStep<'_, Step<'_>> {
     fn overlaps(&self, at: &Vec3) -> bool {
         let mut locals = Locals::new();
         self.fill_locals(at, &mut locals);
-        locals.iter().any(|local| local.gap.energy < -10.0 * CLOSED * self.step.length && local.beyond <= 0.0)
+        locals.iter().any(|local| local.gap.energy < -KEPT_GAP * self.step.length && local.beyond <= 0.0)
     }
 
     /// Zero increment, for a load at rest that the last normal forces without friction still hold
@@ -132,7 +114,7 @@ impl ContactStep<'_, Step<'_>> {
     /// slide as well. Against an obstacle that slides by, the friction is that of its slip: there a
     /// load rests where the last forces balance it.
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
-        let closed = CLOSED * self.step.length;
+        let closed = CLOSED_GAP * self.step.length;
         let drive = -self.step.gradient(&Vec3::zeros());
         let (mut sides, mut locals) = (Sides::new(), Locals::new());
         self.fill_locals(&Vec3::zeros(), &mut locals);
@@ -151,7 +133,7 @@ impl ContactStep<'_, Step<'_>> {
         }
         let mut report = StepReport { n_steps: 1, n_solves: 1, ..StepReport::default() };
         if slides {
-            let last = solver.hold(&-missing, UNCHANGED)?;
+            let last = solver.hold(&-missing, LARGEST_RESIDUAL)?;
             report.residual = solver.rest(&-missing).unwrap_or(last);
         } else if let Some(residual) = solver.rest(&-missing).filter(|residual| *residual <= LARGEST_RESIDUAL) {
             report.residual = residual;
@@ -257,7 +239,7 @@ impl ContactStep<'_, Step<'_>> {
             if self.step.size(&change) <= 1e-12 * self.step.size(&at) + 1e-15 {
                 return self.ended(at, mode, sides, report);
             }
-            if n_failed == MOST_FAILED {
+            if n_failed == FAILED_STEPS {
                 break;
             }
         }
@@ -306,7 +288,7 @@ impl ContactStep<'_, Step<'_>> {
 
     /// Rows of the candidates that can touch near an increment, and the candidate of each.
     fn rows(&self, at: &Vec3, locals: &[Local]) -> (PerContact<ContactRow>, PerContact<usize>) {
-        let closed = CLOSED * self.step.length;
+        let closed = CLOSED_GAP * self.step.length;
         let (mut rows, mut row_of) = (SmallVec::new(), SmallVec::new());
         for (index, (local, candidate)) in locals.iter().zip(self.candidates).enumerate() {
             if local.beyond > closed {

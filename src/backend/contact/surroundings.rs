@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::features::{Corner, Edge, Features};
 use super::gap::FeaturePair;
 use super::solve::SideMode;
+use crate::backend::numerics::{DEEP, FLUSH_NORMAL, NEAR_MARGIN};
 use crate::backend::springs::Place;
 use crate::math::{Mat2, Pose, Vec2, rotation};
 use crate::model::{Obstacle, System};
@@ -90,15 +91,6 @@ struct Near {
     usual: f64,
 }
 
-/// Penetration over the load's radius that a load may have at the start of a step (1): rounding of
-/// many steps. Deeper features lie on the other side of the load.
-const DEEPEST_START: f64 = 1e-6;
-/// Difference of the normals of flush obstacles (1): rounding of headings and of corners that are
-/// far apart.
-const FLUSH_NORMAL: f64 = 1e-7;
-/// Least margin of the list of near obstacles over the load's radius (1).
-const MARGIN: f64 = 0.5;
-
 impl Surroundings {
     pub fn new(system: &System) -> Self {
         let body = |obstacle: &Obstacle| {
@@ -182,7 +174,7 @@ impl Surroundings {
         };
         // A list far from all obstacles holds for long.
         let least = (0..obstacles.len()).map(distance).fold(f64::INFINITY, f64::min);
-        let usual = (0.5 * least).max(MARGIN * self.radius);
+        let usual = (0.5 * least).max(NEAR_MARGIN * self.radius);
         let margin = usual.max(reach);
         let is_near = |index: &usize| distance(*index) <= 2.0 * margin;
         self.near = Near { obstacles: (0..obstacles.len()).filter(is_near).collect(), about: Some((load.pose, time)), margin, usual };
@@ -249,7 +241,7 @@ impl Surroundings {
 
     fn pairs_with(&self, index: usize, obstacle: &Obstacle, at: &Place, reach: f64, pairs: &mut Vec<Pair>) {
         let body = &self.bodies[index].features;
-        let deepest = -DEEPEST_START * self.radius;
+        let deepest = -DEEP * self.radius;
         let mut add = |kind, of_load, of_obstacle, features: FeaturePair| {
             let pair = Pair::of(PairKey { obstacle: index, kind, of_load, of_obstacle }, features, obstacle);
             let gap = features.gap(at);
@@ -266,7 +258,7 @@ impl Surroundings {
         for (i, corner) in self.load.corners.iter().enumerate() {
             let point = at.pose.position + at.turn * corner.at;
             // A corner on an edge lies on the side of the load about it.
-            let inside = point + 2.0 * DEEPEST_START * self.radius * (at.turn * corner.inwards);
+            let inside = point + 2.0 * DEEP * self.radius * (at.turn * corner.inwards);
             for (j, edge) in body.edges.iter().enumerate() {
                 let kind = PairKind::PointOnLine { is_left: edge.has_two_sides && edge.has_on_left(&inside) };
                 add(kind, i, j, point_on_line(corner, edge, kind));

@@ -6,6 +6,7 @@ use smallvec::SmallVec;
 use super::gap::FeaturePair;
 use super::solve::{SideForce, SideMode};
 use super::surroundings::{Pair, PairKey, PairKind};
+use crate::backend::numerics::{ALIKE, NARROW_FACE};
 use crate::backend::report::TransitionKind;
 use crate::backend::springs::Place;
 use crate::math::{Pose, Vec2, perpendicular, rotation};
@@ -45,12 +46,6 @@ struct Face {
 #[derive(Clone, Debug, Default)]
 pub struct Faces(SmallVec<[Face; 2]>);
 
-/// Cosine of the angle between the normals of one face (1): 0.1 rad, far more than a load turns in
-/// a step.
-const ALIKE: f64 = 0.995;
-/// Distance of contact points over the load's radius that is none (1): rounding of many steps.
-const NARROW: f64 = 1e-6;
-
 impl Touching {
     /// A contact that is closed for a load at `at` in the frame of an obstacle at this pose.
     pub fn new(pair: &Pair, (mode, force, slip): (SideMode, SideForce, f64), at: &Place, obstacle: &Pose) -> Self {
@@ -88,7 +83,7 @@ impl Faces {
     /// Whether a load of this `radius` (m) that touched by these faces goes on to do so in the same
     /// modes when it touches by the others.
     pub fn go_on(&self, others: &Self, radius: f64) -> bool {
-        let is_narrow = |face: &Face| face.extent[1] - face.extent[0] <= NARROW * radius;
+        let is_narrow = |face: &Face| face.extent[1] - face.extent[0] <= NARROW_FACE * radius;
         let is_alike =
             |a: &Face, b: &Face| a.mode == b.mode && a.bend == b.bend && is_narrow(a) == is_narrow(b) && a.normal.dot(&b.normal) >= ALIKE;
         self.0.len() == others.0.len() && self.0.iter().all(|face| others.0.iter().any(|other| is_alike(face, other)))

@@ -5,6 +5,7 @@ use smallvec::SmallVec;
 use super::load::{Exact, Method, Snapshot, State};
 use super::side::{Impact, SideState};
 use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, SideMode, Strike, Touching, transitions};
+use crate::backend::numerics::{LONGEST_CUT, PULL_ERROR, REVERSED_SLIP, SHORTEST_CUT};
 use crate::backend::report::{Doubts, Motion, SideContact, Status, StepReport, Transition, TransitionKind};
 use crate::backend::springs::{Place, TipPaths};
 use crate::math::Twist;
@@ -24,18 +25,6 @@ impl Contacts {
         self.n_events == now.n_events && self.faces.go_on(&now.faces, self.radius)
     }
 }
-
-/// Shares of a macro-step that are left of it at a touch that its steps did not see (1): it becomes
-/// shorter, and not at once by much, as the first estimates may be poor.
-const SHORTEST_CUT: f64 = 0.1;
-const LONGEST_CUT: f64 = 1.0 - 1e-6;
-
-/// Pull of a contact over its force before, up to which it is an error of extrapolation (1): what
-/// it does within that share of a macro-step is lost in its tolerance.
-const PULLS: f64 = 1e-3;
-
-/// Slip over the speed of the load that is none where it reverses (1).
-const REVERSED: f64 = 1e-9;
 
 impl<M: Method> Exact<M> {
     /// Whether no obstacle can touch a load that stands still for `duration` (s) from now.
@@ -91,7 +80,7 @@ impl<M: Method> Exact<M> {
         let forces = self.forces_in(flow)?;
         let share = |(now, force): (&Touching, f64)| {
             let before = start.side.touching.iter().find(|before| before.key == now.key)?.force.normal;
-            (now.mode != SideMode::Open && force < -PULLS * before).then(|| before / (before - force))
+            (now.mode != SideMode::Open && force < -PULL_ERROR * before).then(|| before / (before - force))
         };
         let moves = self.state.motion.twist != Twist::ZERO;
         let earliest = touching.iter().zip(forces).filter_map(share).filter(|_| moves).reduce(f64::min)?;
@@ -145,7 +134,7 @@ impl<M: Method> Exact<M> {
         let Self { obstacles: Some(obstacles), system, state, .. } = self else { return None };
         let within = 0.5 * (times[0] + times[1]);
         let rate = |key: &PairKey, motion: &Motion, time: f64| obstacles.slip_rate(system, key, motion, Instant { time, within });
-        let rounding = REVERSED * state.motion.twist.linear.norm().max(system.load.radius * state.motion.twist.angular.abs());
+        let rounding = REVERSED_SLIP * state.motion.twist.linear.norm().max(system.load.radius * state.motion.twist.angular.abs());
         let share = |Touching { key, mode, .. }: &Touching| {
             let SideMode::Slide { forward } = mode else { return None };
             let sign = if *forward { 1.0 } else { -1.0 };

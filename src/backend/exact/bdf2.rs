@@ -25,13 +25,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Corrected, Course, Increment, Straight, Wanted, correct};
+use crate::backend::numerics::LARGEST_RATIO;
 use crate::backend::springs::{Place, SpringBlocks};
 use crate::math::{Arc, Vec2, Vec3, shift_of};
 use crate::model::System;
-
-/// Largest length of a step over that of the last one (1). The method is stable up to 1 + sqrt(2)
-/// (Grigorieff, 1983).
-const LARGEST_RATIO: f64 = 2.0;
 
 /// The last step of a load that slipped.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::numerics::{
+    CHANGE_SHARE, ENERGY_ROUNDING, LOCATED, MOST_WAIT, SHORTEST_MACRO_STEP, SHORTEST_UNSOLVED, WORK_PER_SECOND,
+};
 use crate::backend::report::{Motion, RestoreError, StepReport};
 use crate::backend::springs::TipPaths;
 use crate::math::{Twist, Vec2, rotation};
@@ -22,12 +25,6 @@ pub struct Pace {
     work: f64,
 }
 
-/// Work that a run at obstacles, and all its repetitions together, may take for each simulated
-/// second, in Newton iterations and solved friction problems (1): one to two seconds of a processor
-/// with inertia, up to five without. What a second leaves is there for the next one, and the first
-/// second is there at once. Of random scenes that are decided at all, nearly none needs half.
-pub const WORK_PER_SECOND: f64 = 2e6;
-
 /// When to try a macro-step that is longer than its errors say, at an obstacle: after each failure
 /// half as often.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -37,8 +34,6 @@ pub struct Trial {
 }
 
 impl Trial {
-    const LONGEST_WAIT: u32 = 64;
-
     /// Whether to try one now.
     pub(super) fn is_due(&mut self) -> bool {
         let is_due = self.n_left == 0;
@@ -51,14 +46,14 @@ impl Trial {
     }
 
     pub(super) fn fail(&mut self) {
-        self.wait = (4 * self.wait).clamp(2, Self::LONGEST_WAIT);
+        self.wait = (4 * self.wait).clamp(2, MOST_WAIT);
         self.n_left = self.wait;
     }
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Self { macro_step: f64::MAX, shortest: SHORTEST, trial: Trial::default(), work: Self::initial_work() }
+        Self { macro_step: f64::MAX, shortest: SHORTEST_MACRO_STEP, trial: Trial::default(), work: Self::initial_work() }
     }
 }
 
@@ -66,7 +61,7 @@ impl Pace {
     /// # Errors
     /// When a restored pace is none that an advance leaves.
     pub(super) fn check(&self) -> Result<(), RestoreError> {
-        let is_possible = self.macro_step > 0.0 && (SHORTEST..=SHORTEST_WHERE_NONE_CONVERGES).contains(&self.shortest);
+        let is_possible = self.macro_step > 0.0 && (SHORTEST_MACRO_STEP..=SHORTEST_UNSOLVED).contains(&self.shortest);
         let Self { macro_step, shortest, .. } = self;
         if is_possible && self.work.is_finite() {
             Ok(())
@@ -94,7 +89,7 @@ impl Pace {
     /// through the root of a spring, and lowers it after one with answers.
     pub(super) fn hand_on(&mut self, had_answers: bool) {
         let shortest = if had_answers { self.shortest * self.shortest } else { self.shortest.sqrt() };
-        self.shortest = shortest.clamp(SHORTEST, SHORTEST_WHERE_NONE_CONVERGES);
+        self.shortest = shortest.clamp(SHORTEST_MACRO_STEP, SHORTEST_UNSOLVED);
     }
 }
 
@@ -133,20 +128,6 @@ pub enum Column {
     /// such errors add up.
     LastButOne,
 }
-
-/// Shortest macro-step over the advance (1). What still differs there is a jump.
-pub(super) const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
-/// Shortest macro-step over the advance (1) in the long run where they neither converge nor agree
-/// at any length. Shorter ones are no better there, and much slower.
-pub(super) const SHORTEST_WHERE_NONE_CONVERGES: f64 = 1.0 / 16.0;
-/// Error of a macro-step with a change in it, over the tolerance of a smooth one (1): there are few
-/// of them.
-const CHANGE_SHARE: f64 = 10.0;
-/// Displacement of tips and obstacles over the error of a macro-step with a change in it, in which
-/// a change of a load without inertia is located (1). It moves only as they do.
-const LOCATED: f64 = 0.1;
-/// Rounding of energies that have added up over a run and been extrapolated (1).
-const ENERGY_ROUNDING: f64 = 1e-14;
 
 impl Control {
     /// Error of a macro-step of `duration` (s) from the flow `before`, over the tolerance (1):

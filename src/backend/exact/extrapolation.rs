@@ -25,35 +25,12 @@ use super::control::{Column, Task};
 use super::load::{Exact, Method, Snapshot};
 use super::progress::{Effort, Progress};
 use crate::backend::friction::ContactMode;
+use crate::backend::numerics::{AIM, FASTEST_GROWTH, FAVOURED_ROWS, FORCED_GROWTH, LONGEST_SHORTEST, MOST_ROWS, SHORTENED_TO_SOLVE};
 use crate::backend::report::{Motion, Status, StepReport, Transition, TransitionKind};
 use crate::backend::springs::TipPaths;
 use crate::math::{Vec2, rotation};
 use crate::model::System;
 use crate::stop;
-
-/// Largest number of rows of the table. Errors fall with the power of the row, roundings grow by
-/// about four a row.
-const MOST_ROWS: usize = 8;
-/// Length over the advance (1) down to which a macro-step is shortened because its steps did not
-/// converge. Where shorter ones do not converge either, their answers are compared like any other,
-/// and their status reports it.
-const SHORTENED_TO_SOLVE: f64 = 1.0 / 1024.0;
-/// Growth of the shortest macro-step, for the rest of an advance, after each one that had to be
-/// taken as it was (1). Where nothing converges the load still arrives, and the statuses of the
-/// steps and the run beside show what that is worth.
-const FORCED_GROWTH: f64 = 2.0;
-/// Number of rows below which a macro-step may be longer at less cost in all. At obstacles the
-/// errors need not be a series: they may be as large at twice the length, and macro-steps that have
-/// become short would remain so. Longer ones are tried there whatever the number of rows, and less
-/// and less often where they fail.
-const FAVOURED_ROWS: usize = 5;
-/// Length over the shortest macro-step up to which one is not shortened (1).
-const LONGEST_SHORTEST: f64 = 1.5;
-/// Share of the tolerance that a macro-step aims at, so that few fail (1).
-const AIM: f64 = 0.5;
-/// Largest growth from one macro-step to the next (1). Behind a located change it has to grow from
-/// nearly nothing.
-const FASTEST_GROWTH: f64 = 64.0;
 
 /// Moves the load along the whole paths, at the pace that the last advance left.
 pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
@@ -357,9 +334,10 @@ fn growth(error: f64, power: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::contact::GroundContact;
-    use super::super::control::{Control, SHORTEST, SHORTEST_WHERE_NONE_CONVERGES};
+    use super::super::control::Control;
     use super::super::load::State;
     use super::*;
+    use crate::backend::numerics::{SHORTEST_MACRO_STEP, SHORTEST_UNSOLVED};
     use crate::backend::report::Skips;
     use crate::backend::stepping::Stepping;
     use crate::math::{Pose, RandomStreams, Stream, Twist};
@@ -422,14 +400,11 @@ mod tests {
             assert_eq!(report.n_not_converged == 0, has_answer);
             (load.method.n_steps, load.pace.shortest)
         };
-        assert_eq!(next(true).1, SHORTEST);
+        assert_eq!(next(true).1, SHORTEST_MACRO_STEP);
         let lost: Vec<_> = (0..6).map(|_| next(false)).collect();
         assert!(lost[..3].windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 > pair[0].1), "{lost:?}");
-        assert!(
-            lost[3..].iter().all(|(n_steps, shortest)| 10 * n_steps < lost[0].0 && *shortest == SHORTEST_WHERE_NONE_CONVERGES),
-            "{lost:?}"
-        );
+        assert!(lost[3..].iter().all(|(n_steps, shortest)| 10 * n_steps < lost[0].0 && *shortest == SHORTEST_UNSOLVED), "{lost:?}");
         let found: Vec<_> = (0..3).map(|_| next(true).1).collect();
-        assert_eq!(found[2], SHORTEST, "{found:?}");
+        assert_eq!(found[2], SHORTEST_MACRO_STEP, "{found:?}");
     }
 }

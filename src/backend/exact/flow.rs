@@ -17,19 +17,12 @@
 use super::dashpots::Dashpots;
 use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
+use crate::backend::numerics::{CERTAIN_END, JUMP_SHARES, STICKING_SLIP};
 use crate::backend::springs::Place;
 use crate::backend::stepping::Stepping;
 use crate::math::{Arc, Mat3, Pose, PositiveDefinite, Vec2, Vec3, increment_of, rotation};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, PolarSpring};
-
-/// Share of the forces out of line up to which the end of a jump is certain: to 1 % of its length
-/// on a thousand random jumps (1).
-const CERTAIN: f64 = 0.005;
-/// Shares of the path at which forces are compared (1).
-const SHARES: [f64; 3] = [0.0, 0.5, 0.9];
-/// Slip of a support over that of the fastest one below which it sticks (1).
-const HELD: f64 = 1e-9;
 
 impl Exact<QuasiStatic> {
     /// Share of the forces that would lead the load from `start` elsewhere than to where it is
@@ -47,7 +40,7 @@ impl Exact<QuasiStatic> {
     /// hold the load. Only runs under error control look; at fixed steps the answer is no.
     pub(super) fn is_uncertain_from(&self, start: &SnapStart) -> bool {
         let touches = || start.touches || !self.state.side.touching.is_empty();
-        matches!(self.stepping, Stepping::Controlled(_)) && (touches() || self.departure_from_flow(&start.pose) > CERTAIN)
+        matches!(self.stepping, Stepping::Controlled(_)) && (touches() || self.departure_from_flow(&start.pose) > CERTAIN_END)
     }
 
     /// Largest share of the forces that is out of line with a path of constant twist from `start`
@@ -83,7 +76,7 @@ impl Exact<QuasiStatic> {
             if on_support.xy().norm() <= limit * radius { 0.0 } else { f64::INFINITY }
         };
         // Not a number is not certain.
-        SHARES.into_iter().map(at).map(|share| if share.is_nan() { f64::INFINITY } else { share }).fold(0.0, f64::max)
+        JUMP_SHARES.into_iter().map(at).map(|share| if share.is_nan() { f64::INFINITY } else { share }).fold(0.0, f64::max)
     }
 }
 
@@ -103,7 +96,7 @@ fn full_friction(ground: &Ground, twist: &Vec3) -> (Vec3, Option<(Vec2, f64)>) {
     let (mut sum, mut pin) = (Vec3::zeros(), None);
     for (support, limit) in ground.supports.iter().zip(ground.slip_limits()).filter(|(_, limit)| *limit > 0.0) {
         let slip = of(&support.offset);
-        if slip.norm() <= HELD * fastest {
+        if slip.norm() <= STICKING_SLIP * fastest {
             pin = Some((support.offset, limit));
         } else {
             sum += wrench_of(&support.offset, &(limit * slip.normalize()));

@@ -13,6 +13,10 @@ use super::load::{Exact, Snapshot};
 use super::one_step::Integrator;
 use super::side::Impact;
 use crate::backend::contact::{Reflection, Scope, SpeedLimits, Strike, Touching};
+use crate::backend::numerics::{
+    EARLIER_TOUCHES, LEAST_FALL, LOCATED_GAP, LOCATING_ATTEMPTS, LOCATING_NEWTON_ATTEMPTS, MOST_TOUCHES, NEGLIGIBLE_BOUNCE, ROUNDED_GAP,
+    STANDSTILL, STEP_HALVINGS, STEP_ITERATIONS, TOUCHED_GAP,
+};
 use crate::backend::report::{ImpactLaw, Motion, Status, StepReport};
 use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
@@ -20,42 +24,10 @@ use crate::math::{Twist, Vec2, Vec3, rotation};
 use crate::model::support::wrench_of;
 use crate::stop;
 
-/// Largest number of touches in one step (1). The rest of the step is taken as one of implicit
-/// Euler that regards all features within reach, and without bounces.
-const MOST_TOUCHES: usize = 64;
-/// Number of Newton iterations after which a step is divided no further, neither by touches nor for
-/// want of an answer (1). A touch takes some hundred of them. A part without an answer takes
-/// thousands, and so does each of its halves.
-const MOST_ITERATIONS: u64 = 20_000;
-/// Largest number of times that a step without an answer is halved (1).
-const MOST_HALVINGS: usize = 5;
-/// Number of touches that one without any motion before it counts for (1).
-const STANDSTILL: usize = 8;
-/// Largest number of attempts to locate a touch, the first ones by Newton's method (1).
-const MOST_ATTEMPTS: usize = 80;
-const MOST_NEWTON_ATTEMPTS: usize = 20;
-/// Largest number of times that a touch is located, since the load would have touched by other
-/// features on the way to it, which is not straight (1). Then the step is taken as one of implicit
-/// Euler.
-const MOST_EARLIER: usize = 8;
-/// Fall of a loss by extrapolation, over slip limit times radius, with which there is none (1).
-const FALL: f64 = 1e-4;
-/// Gap over the load's radius at which a touch is located (1).
-const LOCATED: f64 = 1e-13;
-/// Gap over the load's radius up to which features touch (1): as for contacts that are kept, and
-/// far more than what locating leaves.
-const CLOSED: f64 = 1e-10;
-
 /// What an impact without a law adds to a report.
 pub(super) fn without_law() -> StepReport {
     StepReport { status: Status::NotConverged, n_not_converged: 1, ..StepReport::default() }
 }
-
-/// Gap over the load's radius that is rounding (1).
-const ROUNDED: f64 = 1e-12;
-
-/// Height of a bounce that is none, over the tolerance of a macro-step (1).
-const NEGLIGIBLE: f64 = 0.01;
 
 impl Exact<Inertial> {
     /// Takes a step among obstacles. It is divided at waypoints of obstacles.
@@ -66,7 +38,7 @@ impl Exact<Inertial> {
             stop::point();
             let until = self.until_waypoint(paths, [at, to]);
             report.add(&self.meet_waypoint([at, until].map(|share| self.time_at(paths, share))));
-            if n_touches >= MOST_TOUCHES || report.n_iterations >= MOST_ITERATIONS {
+            if n_touches >= MOST_TOUCHES || report.n_iterations >= STEP_ITERATIONS {
                 report.add(&self.step_touching(paths, [at, until], Scope::Near));
                 at = until;
                 continue;
@@ -92,7 +64,7 @@ impl Exact<Inertial> {
             return (to, report);
         }
         let mut end = to;
-        for _ in 0..MOST_EARLIER {
+        for _ in 0..EARLIER_TOUCHES {
             let (strikes, share) = found;
             end = self.locate(&strikes, paths, [from, from + share * (end - from)], &start, &mut report);
             let time = self.time_at(paths, end);
@@ -117,7 +89,7 @@ impl Exact<Inertial> {
 
     /// Those of these features that touch now.
     fn located(&self, strikes: &[Strike], time: f64) -> Vec<Strike> {
-        let closed = CLOSED * self.system.load.radius;
+        let closed = TOUCHED_GAP * self.system.load.radius;
         strikes.iter().filter(|strike| self.nearest(std::slice::from_ref(strike), time).0.abs() <= closed).copied().collect()
     }
 
@@ -133,7 +105,7 @@ impl Exact<Inertial> {
         report: &mut StepReport,
     ) -> f64 {
         let (mut free, mut hit, mut end) = (from, to, to);
-        for attempt in 0..MOST_ATTEMPTS {
+        for attempt in 0..LOCATING_ATTEMPTS {
             stop::point();
             self.reset(start);
             if end <= from {
@@ -143,11 +115,11 @@ impl Exact<Inertial> {
             report.n_solves += part.n_solves;
             report.n_iterations += part.n_iterations;
             report.status = report.status.max(part.status);
-            if part.status != Status::Converged && report.n_iterations >= MOST_ITERATIONS {
+            if part.status != Status::Converged && report.n_iterations >= STEP_ITERATIONS {
                 break;
             }
             let (gap, speed) = self.nearest(strikes, self.time_at(paths, end));
-            if gap.abs() <= LOCATED * self.system.load.radius || end == free {
+            if gap.abs() <= LOCATED_GAP * self.system.load.radius || end == free {
                 break;
             }
             if hit - free <= 2.0 * f64::EPSILON * hit {
@@ -157,7 +129,7 @@ impl Exact<Inertial> {
             *(if gap > 0.0 { &mut free } else { &mut hit }) = end;
             let newton = end - gap / (speed * paths.duration);
             let is_between = newton > free && newton < hit;
-            end = if attempt < MOST_NEWTON_ATTEMPTS && is_between { newton } else { 0.5 * (free + hit) };
+            end = if attempt < LOCATING_NEWTON_ATTEMPTS && is_between { newton } else { 0.5 * (free + hit) };
         }
         end
     }
@@ -167,12 +139,12 @@ impl Exact<Inertial> {
     fn move_as_far_as_solved(&mut self, paths: &TipPaths, [from, to]: [f64; 2], start: &Snapshot<Memory>) -> (f64, StepReport) {
         let whole = self.move_on(paths, [from, to], start);
         let (mut end, mut report) = (to, whole);
-        for _ in 0..MOST_HALVINGS {
+        for _ in 0..STEP_HALVINGS {
             stop::point();
             if report.status == Status::Converged {
                 return (end, report);
             }
-            if report.n_iterations >= MOST_ITERATIONS {
+            if report.n_iterations >= STEP_ITERATIONS {
                 break;
             }
             self.reset(start);
@@ -230,10 +202,10 @@ impl Exact<Inertial> {
     /// At fixed steps a bounce that would end within a step is none, and under error control one
     /// that leads no farther than a hundredth of what a macro-step may be wrong by.
     pub(super) fn speed_limits(&self, change: f64, [moved, duration]: [f64; 2]) -> SpeedLimits {
-        let rounding = ROUNDED * self.system.load.radius;
+        let rounding = ROUNDED_GAP * self.system.load.radius;
         let softest = match &self.stepping {
             Stepping::Fixed(_) => change.max(rounding / duration),
-            Stepping::Controlled(control) => (2.0 * (NEGLIGIBLE * control.position).max(rounding) * change / duration).sqrt(),
+            Stepping::Controlled(control) => (2.0 * (NEGLIGIBLE_BOUNCE * control.position).max(rounding) * change / duration).sqrt(),
         };
         // What it gains on its way through a gap by rounding.
         let gained = if moved > 0.0 { (2.0 * rounding * change / moved).sqrt() } else { 0.0 };
@@ -296,7 +268,7 @@ impl Exact<Inertial> {
             // steps that are no series may fall.
             let (now, before) = (&self.state.energy, &start.state.energy);
             let fall = (before.friction - now.friction).max(before.side_friction - now.side_friction);
-            let falls = fall > FALL * self.system.total_slip_limit() * self.system.load.radius;
+            let falls = fall > LEAST_FALL * self.system.total_slip_limit() * self.system.load.radius;
             if falls || self.overlaps_of(&start.state.side.touching, self.time_at(paths, to)) {
                 self.set_flow(&halves.0);
             }

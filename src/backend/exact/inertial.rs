@@ -19,24 +19,12 @@ use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched
 use super::{control, euler, midpoint, resolution};
 use crate::backend::contact::{Instant, PairKey, Scope, SideMode, SideWork, Touching, Turn, gap_rounding};
 use crate::backend::friction::ContactMode;
+use crate::backend::numerics::{LONGEST_MACRO_STEP, ROUNDED_FORCE, SLOW_SUPPORT};
 use crate::backend::report::{Motion, RestoreError, Skips, Status, StepReport};
 use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
 use crate::math::{Arc, Twist, Vec2, perpendicular, rotation};
 use crate::model::{Load, System};
-
-/// Longest macro-step, in radians of the fastest oscillation.
-pub const LONGEST_MACRO_STEP: f64 = 2.0;
-
-/// Speed of a support below which it may stop or have stopped within a macro-step, over the change
-/// of the load's speed by its turn about the support in that time (1).
-const SLOW_SUPPORT: f64 = 2.0;
-
-/// Force that the rounding of a position would ask for, over the slip limit, which limits how short
-/// macro-steps are at obstacles (1). Contact forces keep their digits in shorter steps. Yet where
-/// contacts begin to slide, stick or part, these need not agree: random scenes ended with larger
-/// errors without the limit.
-const ROUNDED_FORCE: f64 = 1e-3;
 
 /// The methods with inertia.
 pub struct Inertial {

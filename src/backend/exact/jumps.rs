@@ -4,27 +4,10 @@
 use super::contact::GroundContact;
 use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
-use crate::backend::friction::EXACT;
+use crate::backend::numerics::{EXACT, JUMP_ENERGY_ROUNDING, JUMP_ITERATIONS, JUMP_ROUNDING, ROUNDED_PLACE, SMALLEST_JUMP};
 use crate::backend::report::{Status, StepReport, Transition, TransitionKind};
 use crate::math::Pose;
 use crate::stop;
-
-/// Largest number of iterations of one jump. Each is shorter than the last by orders of magnitude,
-/// and three are rarely needed.
-const MOST_ITERATIONS: u32 = 10;
-
-/// Edge displacement over the load's radius (1) up to which a jump is the rounding of a load at the
-/// very edge of slipping. Springs that only friction holds there magnify rounding.
-const SMALLEST_JUMP: f64 = 1e-9;
-/// Edge displacement over the load's radius (1) that needs no further iteration of a jump.
-const ROUNDING: f64 = 1e-12;
-
-/// Relative rounding of the energies of a run, of which the defect of a step is a difference (1).
-const SNAP_ROUNDING: f64 = 1e-13;
-
-/// Rounding of the places of a load and an obstacle, over their distance from the world's origin
-/// (1): some roundings of numbers of that size.
-const ROUNDED_PLACE: f64 = 16.0 * f64::EPSILON;
 
 impl Exact<QuasiStatic> {
     /// Moves the load from where an attached or released spring has left it to the balance for tips
@@ -58,7 +41,7 @@ impl Exact<QuasiStatic> {
         self.set_rigid_dashpots();
         let rounding = self.displacement_rounding();
         let (mut report, mut found, mut last) = (StepReport::default(), StepReport::default(), None);
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..JUMP_ITERATIONS {
             stop::point();
             let before = self.state.motion.pose;
             found = self.balance(None, [self.state.side.now; 2]);
@@ -79,7 +62,7 @@ impl Exact<QuasiStatic> {
     fn displacement_rounding(&self) -> f64 {
         let Self { system, springs, .. } = self;
         let pulls = EXACT * system.total_slip_limit() / springs.largest_stiffness(&system.springs);
-        (ROUNDING * system.load.radius).min(pulls)
+        (JUMP_ROUNDING * system.load.radius).min(pulls)
     }
 
     /// Edge displacement since the load was at `start` (m).
@@ -123,7 +106,8 @@ impl Exact<QuasiStatic> {
     ) -> Option<TransitionKind> {
         let energy = &self.state.energy;
         let missing = start.defect - energy.defect();
-        let rounding = SNAP_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic) + self.uncertainty_at_obstacles();
+        let rounding =
+            JUMP_ENERGY_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic) + self.uncertainty_at_obstacles();
         if missing < -rounding {
             report.work_error_j += allowed(self).min(-missing);
             return None;
@@ -175,7 +159,7 @@ mod tests {
             let end = backend.state.motion.pose;
             let length = backend.edge_displacement(&start.pose);
             let mut last = end;
-            for _ in 0..MOST_ITERATIONS {
+            for _ in 0..JUMP_ITERATIONS {
                 last = backend.state.motion.pose;
                 backend.balance(None, [0.0; 2]);
             }

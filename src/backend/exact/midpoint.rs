@@ -30,19 +30,12 @@
 use super::one_step::{PastFriction, Problem, Stepped};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
+use crate::backend::numerics::{FOX_GOODWIN, LARGEST_FRICTION_CHANGE, MIDPOINT};
 use crate::backend::report::{Motion, StepReport};
 use crate::backend::springs::Place;
 use crate::math::{Arc, Mat2, Pose, Twist, Vec2, Vec3};
 use crate::model::System;
 use crate::model::support::wrench_of;
-
-/// Newmark's beta that cancels the error of frequencies, stable up to omega h = sqrt(6).
-const FOX_GOODWIN: f64 = 1.0 / 12.0;
-/// Newmark's beta that evaluates springs at the mean of both ends, stable at any step.
-const MIDPOINT: f64 = 0.25;
-/// Largest change of friction in one step that is extrapolated, over the largest friction force or
-/// its torque about the load's radius (1).
-const LARGEST_CHANGE: f64 = 0.5;
 
 pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let Problem { system, start: Motion { pose: before, twist: old }, past, springs, mut dashpots, forecast, step, resolving_step, .. } =
@@ -92,7 +85,7 @@ fn friction_after(earlier: Option<PastFriction>, mode: ContactMode, friction: Ve
 /// `start`. `None` where it is not known.
 fn correction(past: &PastFriction, start: &Place, coasted: &Vec3, step: f64, system: &System) -> Option<Vec3> {
     let change = past.last - past.before?;
-    let most = LARGEST_CHANGE * system.total_slip_limit();
+    let most = LARGEST_FRICTION_CHANGE * system.total_slip_limit();
     let is_steady = change.xy().norm_squared() < most * most && change.z.abs() < most * system.load.radius;
     // A step longer than the last one would make it unstable.
     let back = -0.5 * (step / past.step).min(1.0) * change;

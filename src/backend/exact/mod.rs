@@ -39,8 +39,6 @@ mod touching;
 mod viscous;
 mod waypoints;
 
-pub use control::{Column, Control, WORK_PER_SECOND};
-pub use inertial::LONGEST_MACRO_STEP;
+pub use control::{Column, Control};
 pub use load::Exact;
 pub use one_step::Integrator;
-pub use resolution::SHORTEST_STEP;

@@ -2,24 +2,8 @@
 
 use super::control::Pace;
 use super::load::{Exact, Method};
+use crate::backend::numerics::{GROWTH_AFTER_MANY, MANY_A_MACRO_STEP, MANY_ATTEMPTS, MOST_CUTS, SOLVES_AN_ATTEMPT, TOWARDS_JUMP};
 use crate::backend::report::{Status, StepReport};
-
-/// Number of attempts in an advance, and for each of the longest macro-steps that fit into it,
-/// after which macro-steps have met what they do not resolve, such as a motion that no force
-/// resists.
-const MANY_ATTEMPTS: f64 = 256.0;
-const MANY_A_MACRO_STEP: f64 = 64.0;
-/// Number of cone problems that count for an attempt. One among obstacles may need many more than
-/// one in the open.
-const SOLVES_AN_ATTEMPT: f64 = 512.0;
-/// Growth of the shortest macro-step after each time as many (1).
-const GROWTH_AFTER_MANY: f64 = 32.0;
-/// Length of the macro-steps that lead to where a load jumps, over that of one which leads beyond
-/// (1): an attempt that finds no balance takes hundreds of times as long as one that finds it.
-const TOWARDS_JUMP: f64 = 0.125;
-/// Number of attempts in a row that may be cut by as little as they like (1): touches are located
-/// by Newton's method.
-const MOST_CUTS: u32 = 8;
 
 /// Where an advance is, and what it knows of what comes. Lengths are shares of the advance (1).
 pub struct Progress {

@@ -18,34 +18,13 @@ use super::viscous::{Viscous, ViscousMemory};
 use crate::backend::contact::{Resistance, Scope, SideWork, Task};
 use crate::backend::friction::{ConeSolver, ContactMode, FrictionSolver};
 use crate::backend::increment::{Increment, Potential, Step, minimise};
+use crate::backend::numerics::{HELD_PIECES, JUMP_WORK, LARGEST_BEND, LONGEST_TIP_DISPLACEMENT, PATH_PIECES, PATH_WORK};
 use crate::backend::report::{Motion, RestoreError, Skip, Skips, Status, StepReport, TransitionKind};
 use crate::backend::springs::{Place, TipPaths};
 use crate::backend::stepping::Stepping;
 use crate::math::{Pose, Twist, Vec2, Vec3};
 use crate::model::System;
 use crate::stop;
-
-/// Longest displacement of a tip in one macro-step while the load is at rest, over its radius (1).
-/// A load that slips only between the nodes of a macro-step is not seen to slip.
-const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
-
-/// Displacement of an obstacle in a step over the radius by which it bends about the load (1).
-const LARGEST_BEND: f64 = 0.5;
-
-/// Largest number of pieces of a path that obstacles divide (1).
-const MOST_LEGS: usize = 1024;
-
-/// Largest number of those that end where no longer one has an answer (1). Of random paths with
-/// more than four of them, 98 % have fewer than 35.
-const MOST_HELD_LEGS: u32 = 128;
-
-/// Number of Newton iterations after which a path is divided no further (1): about a second's
-/// worth. A path whose pieces become shorter and shorter would take minutes.
-const MOST_ITERATIONS: u64 = 1_000_000;
-
-/// The same under error control, where a jump ends that is not decided (1): a small part of the
-/// work of a simulated second.
-const MOST_IN_A_JUMP: u64 = 100_000;
 
 /// The quasi-static method.
 pub struct QuasiStatic {
@@ -146,11 +125,11 @@ impl Exact<QuasiStatic> {
     fn balance_among_obstacles(&mut self, step: Option<f64>, [mut from, to]: [f64; 2]) -> StepReport {
         let (mut report, mut work) = self.leg(step, [from, to], None);
         self.state.side.now = to;
-        let most = if matches!(self.stepping, Stepping::Fixed(_)) { MOST_ITERATIONS } else { MOST_IN_A_JUMP };
+        let most = if matches!(self.stepping, Stepping::Fixed(_)) { PATH_WORK } else { JUMP_WORK };
         let mut n_held = 0;
-        for _ in 0..MOST_LEGS {
+        for _ in 0..PATH_PIECES {
             stop::point();
-            let goes_on = n_held < MOST_HELD_LEGS && report.n_iterations < most;
+            let goes_on = n_held < HELD_PIECES && report.n_iterations < most;
             let Some(share) = work.cut.filter(|_| goes_on) else { break };
             n_held += u32::from(share == 1.0);
             self.method.jumps.has_jumped |= work.resistance.is_some() && !self.method.viscous.acts;

@@ -22,29 +22,12 @@ use super::contact::GroundContact;
 use super::load::Exact;
 use super::quasi_static::QuasiStatic;
 use super::viscous::{Viscous, is_damped};
+use crate::backend::numerics::{FIRST_MACRO_STEP, LOST_ENERGY, RIGID_DASHPOT, SAME_INSTANT, SAME_VELOCITY, STRAIGHT_TIP};
 use crate::backend::report::{Status, StepReport};
 use crate::backend::springs::{Attachment, TipPaths};
 use crate::backend::stepping::Stepping;
 use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, System};
-
-/// Stiffness of a dashpot in a step of vanishing duration, over that of all attached springs (1).
-/// The relaxation that it lets pass is this much of its time too early.
-const RIGID: f64 = 1e6;
-/// First macro-step where forces or the velocities of tips change at once, over the shortest time
-/// in which the load can relax (1). Longer implicit steps agree with each other on where a
-/// relaxation ends, whatever the path that leads there.
-const FIRST_MACRO_STEP: f64 = 1e-3;
-/// Displacement after a change of the velocity of a tip that needs no such macro-step, over the
-/// tolerance of one (1).
-const SAME_VELOCITY: f64 = 0.1;
-/// Share of an advance within which an obstacle turns at its start (1): far above rounding.
-const SAME_INSTANT: f64 = 1e-6;
-/// Distance by which a tip may miss the continuation of its last path, over the radius of the load
-/// and the distance from the origin (1): far above rounding.
-const STRAIGHT: f64 = 1e-11;
-/// Energy that error control may lose in a macro-step, over its tolerance (1).
-const LOST: f64 = 100.0;
 
 impl Exact<QuasiStatic> {
     /// Attached springs with their radial dashpots (N s/m).
@@ -86,7 +69,7 @@ impl Exact<QuasiStatic> {
         let (Some((a, b)), tips) = (weights(step / past.duration), &state.memory.viscous.tips) else { return false };
         let goes_on = |((last, next), before): ((&Attachment, Vec2), &Vec2)| {
             let missed = next - last.tip - step / past.duration * (last.tip - before);
-            missed.norm() <= STRAIGHT * (system.load.radius + next.norm())
+            missed.norm() <= STRAIGHT_TIP * (system.load.radius + next.norm())
         };
         if tips.len() != springs.len() || !springs.iter().zip(springs.block_tips()).zip(tips).all(goes_on) {
             return false;
@@ -208,7 +191,7 @@ impl Exact<QuasiStatic> {
             return Some(0.0);
         }
         match self.stepping {
-            Stepping::Controlled(control) if self.can_jump() => Some(LOST * control.energy),
+            Stepping::Controlled(control) if self.can_jump() => Some(LOST_ENERGY * control.energy),
             _ => None,
         }
     }
@@ -217,5 +200,5 @@ impl Exact<QuasiStatic> {
 /// Stiffness of a dashpot in a vanishing time, on springs of this stiffness in all (N/m, N m/rad).
 fn rigid_dashpot(system: &System, stiffness: f64, spring: &PolarSpring) -> (f64, f64) {
     let (radial, torsional) = system.dashpot(spring);
-    if radial == 0.0 { (0.0, 0.0) } else { (RIGID * stiffness, RIGID * stiffness * torsional / radial) }
+    if radial == 0.0 { (0.0, 0.0) } else { (RIGID_DASHPOT * stiffness, RIGID_DASHPOT * stiffness * torsional / radial) }
 }

@@ -7,22 +7,11 @@
 //! is the square root of the largest eigenvalue of M^-1/2 H M^-1/2, with the mass matrix M and the
 //! second derivatives H of the energy of all attached springs.
 
+use crate::backend::numerics::{LARGEST_ANGLE, SHORTEST_STEP, SMALL_DEFORMATION, UNRESOLVED_ANGLE};
 use crate::backend::report::StepReport;
 use crate::backend::springs::{Attachment, TipPaths};
 use crate::math::{Mat3, Pose, Vec2, Vec3};
 use crate::model::System;
-
-/// Shortest step that is taken by default (s). A scene may be too stiff to resolve in reasonable
-/// time, and all methods are stable at longer steps.
-pub const SHORTEST_STEP: f64 = 1e-5;
-/// Largest angle of the fastest oscillation in a step (rad), twice that of the default step with
-/// springs at rest: moderate deformations leave the step as it is.
-const LARGEST_ANGLE: f64 = 0.2;
-/// Angle of the fastest oscillation in a step beyond which the step does not resolve it (rad).
-const UNRESOLVED_ANGLE: f64 = 1.0;
-/// Deformation of a spring over its rest length, or the load's radius if that is longer, up to
-/// which its stiffness is near that at rest (1). All such springs together are not evaluated.
-const SMALL_DEFORMATION: f64 = 0.5;
 
 /// The `longest` step (s), or a shorter one if springs that are deformed far demand it. The report
 /// gets the angle of the fastest oscillation where no step is short enough.

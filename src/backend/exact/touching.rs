@@ -20,13 +20,10 @@ use super::load::{Exact, Snapshot};
 use super::one_step::{Stepped, Touched};
 use crate::backend::contact::{Faces, Scope, Task};
 use crate::backend::increment::{Coasting, Straight};
+use crate::backend::numerics::STRAIGHT_TIP;
 use crate::backend::report::{Motion, StepReport};
 use crate::backend::springs::{Attachment, TipPaths};
 use crate::math::{Arc, Pose, Twist, Vec2, Vec3};
-
-/// Distance by which a tip may miss the continuation of its last path, over the radius of the load
-/// and the distance from the origin: far above rounding, far below what a step is wrong by (1).
-const STRAIGHT: f64 = 1e-11;
 
 impl Exact<Inertial> {
     /// Takes note of the step of this `duration` (s) since the `start`, if nothing has changed at
@@ -112,7 +109,7 @@ impl Exact<Inertial> {
 fn go_straight_on(paths: &TipPaths, share: f64, tips: &[Vec2], radius: f64) -> bool {
     let goes = |(from, tip): (&Attachment, &Vec2)| {
         let missed = from.tip_towards(paths.targets, share) - tip;
-        missed.norm() <= STRAIGHT * (radius + tip.norm())
+        missed.norm() <= STRAIGHT_TIP * (radius + tip.norm())
     };
     tips.len() == paths.from.len() && paths.from.iter().zip(tips).all(goes)
 }

@@ -7,13 +7,10 @@ use super::impacts::without_law;
 use super::inertial::Inertial;
 use super::load::{Exact, Method};
 use crate::backend::contact::Touching;
+use crate::backend::numerics::SAME_INSTANT;
 use crate::backend::report::{ImpactLaw, StepReport};
 use crate::backend::springs::TipPaths;
 use crate::math::Vec2;
-
-/// Share of a step within which a waypoint lies at its start or its end (1): more than times lose
-/// by rounding, and less than errors of a step show.
-const SAME_INSTANT: f64 = 1e-6;
 
 impl<M: Method> Exact<M> {
     /// Share of the paths up to which no obstacle changes its velocity after a share of them: at

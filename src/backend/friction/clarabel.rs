@@ -11,6 +11,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::problem::{ContactMode, FrictionSolution};
+use crate::backend::numerics::{CLARABEL_STICKS, CLARABEL_TOLERANCE};
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::slip_velocity;
@@ -23,15 +24,6 @@ pub struct ClarabelSolution {
     /// Whether clarabel claims full accuracy by its own measure.
     pub solved: bool,
 }
-
-/// Tolerance for clarabel in scaled units (1): about where rounding ends its iterations on problems
-/// of this kind. By default it stops at 1e-8 of the objective, which is 1e-4 of the twist.
-const TOLERANCE: f64 = 1e-13;
-/// Error of an increment over its size (1): the root of the tolerance is 3e-7, since an objective
-/// is flat at its minimum.
-pub const ACCURACY: f64 = 1e-6;
-/// Share of its limit by which the force of a sticking support is below it (1).
-const STICKS: f64 = 1e-6;
 
 /// Clarabel set up for one set of supports.
 pub struct ClarabelSolver {
@@ -97,7 +89,7 @@ impl ClarabelSolver {
     pub fn friction_solution(&mut self, hessian: &Mat3, drive: &Vec3) -> FrictionSolution {
         let found = self.solve(hessian, drive);
         let forces = self.forces();
-        let sticks = |(force, limit): (&Vec2, &f64)| force.norm() < (1.0 - STICKS) * limit * self.force;
+        let sticks = |(force, limit): (&Vec2, &f64)| force.norm() < (1.0 - CLARABEL_STICKS) * limit * self.force;
         let sticking: Vec<usize> = forces.iter().zip(&self.limits).enumerate().filter_map(|(i, pair)| sticks(pair).then_some(i)).collect();
         let mode = match sticking[..] {
             [] => ContactMode::Slip,
@@ -118,9 +110,9 @@ fn settings() -> DefaultSettings<f64> {
     DefaultSettingsBuilder::default()
         .verbose(false)
         .presolve_enable(false)
-        .tol_gap_abs(TOLERANCE)
-        .tol_gap_rel(TOLERANCE)
-        .tol_feas(TOLERANCE)
+        .tol_gap_abs(CLARABEL_TOLERANCE)
+        .tol_gap_rel(CLARABEL_TOLERANCE)
+        .tol_feas(CLARABEL_TOLERANCE)
         .build()
         .expect("the settings are valid")
 }

@@ -11,6 +11,7 @@ use std::collections::HashMap;
 
 use smallvec::SmallVec;
 
+use crate::backend::numerics::{ABOUT_MIDDLE, CLUSTERED, SAME_POINT};
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
@@ -46,16 +47,6 @@ pub(in crate::backend) struct Cones {
     /// without a `balance`.
     pub sways: Vec<f64>,
 }
-
-/// Supports nearer to each other than this share of their extent are one: no solver could tell them
-/// apart.
-const SAME_POINT: f64 = 1e-12;
-/// Largest distance of a support from the middle of all, over the size of the load, below which the
-/// supports are close together (1).
-const SHORT: f64 = 0.1;
-/// Largest distance of a support from the middle of all, over the distance of the middle from the
-/// origin, below which twists are about the middle (1).
-const CLOSE: f64 = 1e-2;
 
 /// Points by the cell of a grid that they lie in: one near another is found in a time that does not
 /// grow with their number.
@@ -309,13 +300,13 @@ impl Frame {
             // One point has a method of its own, about the origin.
             Self {
                 centre: None,
-                length: if reach > SHORT * length_scale { reach } else { length_scale },
+                length: if reach > CLUSTERED * length_scale { reach } else { length_scale },
                 cluster: None,
                 point: Some(middle),
             }
-        } else if extent <= SHORT * length_scale {
+        } else if extent <= CLUSTERED * length_scale {
             Self { centre: Some(middle), length: length_scale, cluster: Some(extent / length_scale), point: None }
-        } else if extent <= CLOSE * middle.norm() {
+        } else if extent <= ABOUT_MIDDLE * middle.norm() {
             Self { centre: Some(middle), length: extent, cluster: None, point: None }
         } else {
             Self { centre: None, length: reach, cluster: None, point: None }

@@ -28,7 +28,7 @@ mod rest;
 mod solver;
 
 pub use exact::gliding::Tangent;
-pub use problem::{ConeSolver, ContactMode, EXACT, FrictionSolution, WarmStart};
+pub use problem::{ConeSolver, ContactMode, FrictionSolution, WarmStart};
 pub use rest::move_back_within;
 pub use solver::FrictionSolver;
 

@@ -62,6 +62,3 @@ pub(super) struct Candidate {
     /// Contact mode; a pinned support is named by its cone.
     pub mode: ContactMode,
 }
-
-/// Residual up to which an answer counts as exact: some tens of roundings of the sums in it (1).
-pub const EXACT: f64 = 1e-13;

@@ -3,27 +3,10 @@
 use smallvec::SmallVec;
 
 use super::cones::{Cones, slip_gram};
+use crate::backend::numerics::{
+    ENOUGH_ROOM, LEAST_ROOM_SOUGHT, LEAST_WEIGHT, MOST_WEIGHTINGS, MOVED_BACK_TO, N_PARABOLAS, OVER_RELAXATION, REST_MARGIN, REST_ROUNDS,
+};
 use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3};
-
-/// Rounds in which forces are moved back within their limits: enough for nearly every load that can
-/// rest.
-const MOST_ROUNDS: u32 = 16;
-/// Share of its limit that a force beyond it is moved back to (1).
-const WITHIN: f64 = 0.98;
-/// Over-relaxation of that move (1): what goes too far comes back in the next round.
-const OVER: f64 = 1.6;
-/// Rounds of weighting in the search for room: enough up to a percent or so below slipping.
-const MOST_WEIGHTINGS: u32 = 16;
-/// Parabolas that replace the losses of the cones before Newton's method takes over.
-const N_TOUCHES: u32 = 2;
-/// Room that is not worth the search, as a share of each limit (1).
-const NARROW: f64 = 0.01;
-/// Share of the possible room that is enough (1).
-const ENOUGH: f64 = 0.5;
-/// Least weight (1).
-const LIGHTEST: f64 = 1e-4;
-/// Margin for rounding in a certificate of rest, as a share of each limit (1).
-const MARGIN: f64 = 1e-9;
 
 /// Outcome of the search for forces at rest close to the edge of slipping.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +21,9 @@ pub(in crate::backend) enum Pressed {
 
 /// Moves a force beyond its limit back, to a little within it, with over-relaxation.
 pub fn move_back_within(force: &mut Vec2, limit: f64) {
-    let (size, within) = (force.norm(), WITHIN * limit);
+    let (size, within) = (force.norm(), MOVED_BACK_TO * limit);
     if size > within {
-        *force *= 1.0 + OVER * (within / size - 1.0);
+        *force *= 1.0 + OVER_RELAXATION * (within / size - 1.0);
     }
 }
 
@@ -74,14 +57,14 @@ impl Cones {
                 best = largest;
             }
             let least = twist.dot(w) / loss;
-            let is_worth_more = 1.0 - least > NARROW && 1.0 - best < ENOUGH * (1.0 - least);
+            let is_worth_more = 1.0 - least > LEAST_ROOM_SOUGHT && 1.0 - best < ENOUGH_ROOM * (1.0 - least);
             if !is_worth_more {
                 break;
             }
             let mut gram = Mat3::zeros();
             for (k, weight) in weights.iter_mut().enumerate() {
                 // A common factor of all weights has no effect.
-                *weight = (*weight * shares[k] / largest).max(LIGHTEST);
+                *weight = (*weight * shares[k] / largest).max(LEAST_WEIGHT);
                 gram += self.limits[k] * self.limits[k] / *weight * slip_gram(&self.offsets[k]);
             }
             let Some(factor) = PositiveDefinite::new(&gram) else { break };
@@ -98,7 +81,7 @@ impl Cones {
     /// wrench of the norm `further`.
     pub fn are_within_limits(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
         let is_within = |k: usize| {
-            let room = (1.0 - MARGIN) * self.limits[k] - self.sways[k] * further;
+            let room = (1.0 - REST_MARGIN) * self.limits[k] - self.sways[k] * further;
             room >= 0.0 && (forces[k] + self.least_force(k, balanced)).norm_squared() <= room * room
         };
         (0..self.len()).all(is_within)
@@ -129,7 +112,7 @@ impl Cones {
     pub fn pressed_forces(&self, w: &Vec3, forces: &mut [Vec2]) -> Pressed {
         let Some(balance) = &self.balance else { return Pressed::Unsure };
         let mut trial: SmallVec<[Vec2; 8]> = SmallVec::from_slice(forces);
-        for round in 0..MOST_ROUNDS {
+        for round in 0..REST_ROUNDS {
             let change = balance * (w - self.wrench(&trial));
             if round % 4 == 3 && change.dot(w) > self.loss(&change) {
                 return Pressed::Slips(change);
@@ -156,7 +139,7 @@ impl Cones {
     /// all cones.
     pub fn slip_along(&self, n: &Vec3, h: &Mat3, w: &Vec3) -> Option<Vec3> {
         let mut twist = (n.dot(w) - self.loss(n)) / n.dot(&(h * n)) * n;
-        for _ in 0..N_TOUCHES {
+        for _ in 0..N_PARABOLAS {
             let mut sum = *h;
             for (k, offset) in self.offsets.iter().enumerate() {
                 sum += self.limits[k] / self.slip(k, &twist).norm() * slip_gram(offset);

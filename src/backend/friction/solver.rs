@@ -1,9 +1,10 @@
 //! Solver for one set of supports, which starts from its last answer.
 
-use super::clarabel::{ACCURACY, ClarabelSolver};
+use super::clarabel::ClarabelSolver;
 use super::cones::Cones;
 use super::exact;
 use super::problem::{Candidate, ConeSolver, ContactMode, FrictionSolution, WarmStart};
+use crate::backend::numerics::CLARABEL_ACCURACY;
 use crate::backend::report::RestoreError;
 use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
@@ -39,7 +40,7 @@ impl FrictionSolver {
     /// Error of an increment by the solver, over its size (1). It is zero for the exact methods,
     /// whose error is rounding.
     pub fn accuracy(&self) -> f64 {
-        if self.clarabel.is_some() { ACCURACY } else { 0.0 }
+        if self.clarabel.is_some() { CLARABEL_ACCURACY } else { 0.0 }
     }
 
     /// Minimises for `hessian` (N/m, N, N m/rad; positive semidefinite) and `drive` w (N, N, N m),

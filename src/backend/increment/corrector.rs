@@ -1,8 +1,11 @@
 //! Newton's method on springs and friction at once, from a guess, for a load that goes on turning
 //! about one support or slipping on all of them.
 
-use super::objective::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE};
-use crate::backend::friction::{ContactMode, EXACT, FrictionSolver, Tangent};
+use super::objective::Objective;
+use crate::backend::friction::{ContactMode, FrictionSolver, Tangent};
+use crate::backend::numerics::{
+    ABSOLUTE_TOLERANCE, CLOSE_CORRECTION, CORRECTION_ROUNDING, CORRECTOR_ITERATIONS, EXACT, LARGEST_RESIDUAL, RELATIVE_TOLERANCE, STRETCHED,
+};
 use crate::backend::report::StepReport;
 use crate::math::{PositiveDefinite, Vec3};
 use crate::model::Reaction;
@@ -24,17 +27,6 @@ pub struct Corrected {
     pub report: StepReport,
 }
 
-/// Largest number of iterations. Descent from rest is better where a guess takes more.
-const MOST_ITERATIONS: u64 = 6;
-/// Size of the second correction, over that of the increment, after which a third one can still be
-/// far smaller (1).
-const STRETCHED: f64 = 0.05;
-/// Size of a correction, over that of the increment, that is rounding (1).
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Size of a correction, over that of the increment, up to which the next ones need no derivative
-/// of their own (1). The error left is its third power.
-const CLOSE: f64 = 3e-5;
-
 /// Progress of Newton's method from a guess.
 struct Approach {
     n_iterations: u64,
@@ -55,7 +47,7 @@ impl Approach {
 
     /// Whether the last correction was small at an increment of size `extent`.
     fn is_close(&self, extent: f64) -> bool {
-        self.last <= CLOSE * extent
+        self.last <= CLOSE_CORRECTION * extent
     }
 
     /// Judges a `correction` of this size, at an increment of size `extent` with this residual and
@@ -64,7 +56,7 @@ impl Approach {
         let tolerance = RELATIVE_TOLERANCE * extent + ABSOLUTE_TOLERANCE + rounding;
         // One more iteration costs little and takes the last digits. The error of a forecast would
         // grow from one to the next.
-        let tolerance_here = if self.n_iterations == 0 { ROUNDING * extent } else { tolerance };
+        let tolerance_here = if self.n_iterations == 0 { CORRECTION_ROUNDING * extent } else { tolerance };
         if correction <= tolerance_here && (residual <= EXACT || self.last <= tolerance) {
             return if residual <= LARGEST_RESIDUAL { Next::Done } else { Next::GiveUp };
         }
@@ -79,7 +71,7 @@ impl Approach {
         };
         let is_near = correction <= most.max(tolerance);
         self.last = correction;
-        if is_near && self.n_iterations < MOST_ITERATIONS { Next::Correct } else { Next::GiveUp }
+        if is_near && self.n_iterations < CORRECTOR_ITERATIONS { Next::Correct } else { Next::GiveUp }
     }
 }
 

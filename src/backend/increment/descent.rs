@@ -1,42 +1,18 @@
 //! Descent from rest: proximal Newton's method, from any start.
 
 use super::corrector::{Corrected, Wanted, correct};
-use super::objective::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE};
+use super::objective::Objective;
 use super::potential::{Course, Increment, Step, friction_curvature, friction_force, friction_loss};
-use crate::backend::friction::{ContactMode, EXACT, FrictionSolver};
+use crate::backend::friction::{ContactMode, FrictionSolver};
+use crate::backend::numerics::{
+    ABSOLUTE_TOLERANCE, DESCENT_ITERATIONS, EXACT, HELD_SLIP, JOINT_EACH, JOINT_ITERATIONS, JOINT_STEP, LARGEST_RESIDUAL, LEAST_CURVATURE,
+    LONGEST_TURN, MOST_CORRECTIONS, RELATIVE_TOLERANCE, SHORT_STEP, SLOW_DESCENT, STEADY,
+};
 use crate::backend::report::{Status, StepReport};
 use crate::math::{Mat3, Pose, PositiveDefinite, Vec3};
 use crate::model::support::slip_velocity;
 use crate::model::{Reaction, SupportPoint};
 use crate::stop;
-
-/// Largest number of iterations. Converging steps take two to six; where the energy has a kink no
-/// number suffices.
-const MOST_ITERATIONS: u64 = 60;
-/// Size of a step over that of the increment up to which it is short (1).
-const SHORT: f64 = 0.1;
-/// Size of a step over that of the one before up to which the next ones are likely to follow (1).
-/// Steps of springs that are not convex shrink to 0.9 and more, which tells how far they may lead.
-const STEADY: f64 = 0.98;
-/// Largest number of corrections from there.
-const MOST_CORRECTIONS: u32 = 4;
-/// Longest turn in one Newton step (rad), and largest size that one is extended to (1). The
-/// quadratic model says little beyond.
-pub const LONGEST_TURN: f64 = 0.5;
-
-/// Iterations after which a descent with springs that are not convex counts as slow.
-const FEW_ITERATIONS: u64 = 4;
-/// Slip of a support over the size of the increment below which friction holds the support (1).
-const HELD: f64 = 1e-6;
-/// Smallest share of the friction's curvature that is tried, over that of the springs' (1).
-const LEAST_SHARE: f64 = 0.125;
-
-/// Iterations after each of which Newton's method on springs and friction at once is tried.
-const EACH_GLIDE: u64 = 4;
-/// Largest number of its iterations.
-const MOST_GLIDES: u64 = 20;
-/// Longest step in it, over the size of the increment (1).
-const LONGEST_GLIDE: f64 = 0.25;
 
 /// Progress of a descent.
 struct Pace {
@@ -65,10 +41,10 @@ impl Step<'_> {
         let mut residual = f64::INFINITY;
         let mut mode = ContactMode::Stick;
         let mut pace = Pace { last: None, n_corrections: 0 };
-        for iteration in 0..MOST_ITERATIONS {
+        for iteration in 0..DESCENT_ITERATIONS {
             stop::point();
             let stiffened = positive_definite(&local.hessian, length);
-            let is_slow = iteration >= FEW_ITERATIONS && stiffened != local.hessian;
+            let is_slow = iteration >= SLOW_DESCENT && stiffened != local.hessian;
             let held = if is_slow { self.held_by_friction(&local.hessian, &at) } else { None };
             let hessian = held.unwrap_or(stiffened);
             let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
@@ -104,7 +80,7 @@ impl Step<'_> {
             let is_exact_solver = solver.accuracy() == 0.0;
             let may_correct = is_full && mode != ContactMode::Stick && is_exact_solver;
             let mut found = may_correct.then(|| self.correct_on(solver, (at, local), &mut pace, self.size(&full_step))).flatten();
-            if found.is_none() && is_slow && iteration % EACH_GLIDE == 0 && mode == ContactMode::Slip && is_exact_solver {
+            if found.is_none() && is_slow && iteration % JOINT_EACH == 0 && mode == ContactMode::Slip && is_exact_solver {
                 (at, local, found) = self.glide(solver, (at, local));
             }
             if let Some(Corrected { at, mode, report: found }) = found {
@@ -127,8 +103,8 @@ impl Step<'_> {
     pub fn held_by_friction(&self, hessian: &Mat3, at: &Vec3) -> Option<Mat3> {
         let units = Vec3::new(self.length, self.length, 1.0);
         let size = |matrix: &Mat3| Mat3::from_fn(|i, j| matrix[(i, j)] * units[i] * units[j]).amax();
-        let curvature = friction_curvature(self.ground, at, HELD * self.length * self.size(at));
-        let mut share = LEAST_SHARE * size(hessian) / size(&curvature);
+        let curvature = friction_curvature(self.ground, at, HELD_SLIP * self.length * self.size(at));
+        let mut share = LEAST_CURVATURE * size(hessian) / size(&curvature);
         while share < 0.5 {
             if PositiveDefinite::new(&(hessian + share * curvature)).is_some() {
                 return Some(hessian + 2.0 * share * curvature);
@@ -146,7 +122,7 @@ impl Step<'_> {
         let length = self.length;
         let Some(last) = pace.last.replace(step) else { return correct(self, solver, length, at, Some(there), Wanted::Only) };
         let share = step / last;
-        if step > SHORT * self.size(&at) || share > STEADY || pace.n_corrections == MOST_CORRECTIONS {
+        if step > SHORT_STEP * self.size(&at) || share > STEADY || pace.n_corrections == MOST_CORRECTIONS {
             return None;
         }
         pace.n_corrections += 1;
@@ -164,7 +140,7 @@ impl Step<'_> {
     #[inline(never)]
     fn glide(&mut self, solver: &mut FrictionSolver, (mut at, mut local): (Vec3, Reaction)) -> (Vec3, Reaction, Option<Corrected>) {
         let mut last = f64::INFINITY;
-        for n_iterations in 0..MOST_GLIDES {
+        for n_iterations in 0..JOINT_ITERATIONS {
             stop::point();
             let newton = solver.gliding_step(&at, &local.gradient, Some(&local.hessian), &mut None);
             if let Some((_, residual)) = newton.filter(|(_, residual)| *residual <= EXACT && *residual >= 0.25 * last) {
@@ -174,7 +150,7 @@ impl Step<'_> {
             last = newton.map_or(f64::INFINITY, |(_, residual)| residual);
             let Some(step) = newton.map(|(step, _)| step).or_else(|| self.falling_step(&at, &local)) else { break };
             let share = self.size(&step) / self.size(&at);
-            let Some(next) = self.descend(&local, &at, &(step * (LONGEST_GLIDE / share).min(1.0))) else { break };
+            let Some(next) = self.descend(&local, &at, &(step * (JOINT_STEP / share).min(1.0))) else { break };
             (at, local) = next;
         }
         (at, local, None)
@@ -183,7 +159,7 @@ impl Step<'_> {
     /// Newton step with the absolute values of the eigenvalues, where one is negative.
     fn falling_step(&self, at: &Vec3, local: &Reaction) -> Option<Vec3> {
         let units = Vec3::new(self.length, self.length, 1.0);
-        let least = HELD * self.length * self.size(at);
+        let least = HELD_SLIP * self.length * self.size(at);
         let is_slow = |support: &SupportPoint| slip_velocity(&support.offset, at).norm() <= least;
         if self.ground.supports.iter().any(is_slow) {
             return None;

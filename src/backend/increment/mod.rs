@@ -31,8 +31,8 @@ mod potential;
 mod straight;
 
 pub(super) use corrector::{Corrected, Wanted, correct};
-pub use descent::{LONGEST_TURN, positive_definite, shortened};
+pub use descent::{positive_definite, shortened};
 pub use minimise::{minimise, minimise_step};
-pub use objective::{LARGEST_RESIDUAL, Objective};
+pub use objective::Objective;
 pub use potential::{Coasting, Course, Increment, Potential, Stage, Step, by_increment, friction_loss, in_body_increments};
 pub use straight::Straight;

@@ -8,11 +8,8 @@ use nalgebra::SymmetricEigen;
 
 use super::joints::{AxisLaw, SpringJoint};
 use super::springs::SpringSum;
+use crate::backend::numerics::SOFT_AXIS;
 use crate::math::{Mat2, Mat3, Vec2, Vec3, perpendicular};
-
-/// Stiffness over the largest one below which an axis does not shift the centre (1): its part of
-/// `A^-1 b` would be rounding over rounding.
-const SOFTEST: f64 = 1e-12;
 
 /// One joint with the effect of the springs of `sum` in a step of `duration` (s).
 pub fn fold(sum: &SpringSum, duration: f64) -> SpringJoint {
@@ -20,7 +17,7 @@ pub fn fold(sum: &SpringSum, duration: f64) -> SpringJoint {
     let linear: Mat2 = slope.fixed_view::<2, 2>(0, 0).into();
     let coupling = Vec2::new(slope.m13, slope.m23);
     let axes = SymmetricEigen::new(linear);
-    let softest = SOFTEST * axes.eigenvalues.amax();
+    let softest = SOFT_AXIS * axes.eigenvalues.amax();
     let first: Vec2 = axes.eigenvectors.column(0).into();
     let second = perpendicular(&first);
     let share = |axis: &Vec2| {

@@ -13,6 +13,7 @@ use super::springs::{PreparedSpring, SpringState};
 use super::step::Step;
 use crate::backend::friction::WarmStart;
 use crate::backend::interface::Backend;
+use crate::backend::numerics::REST_SPEED;
 use crate::backend::options::BackendOptions;
 use crate::backend::report::{
     Balance, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, Skip, Skips, Status, StepReport, Transition,
@@ -124,16 +125,6 @@ struct Saved {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     memory: Option<String>,
 }
-
-/// Residual above which a step counts as not converged (1). A thousandth of the forces is less than
-/// the error of a step of a millisecond. Converged iterations end near 1e-15 in f64. In f32 they
-/// end near 1e-5, and at 1e-3 for a step of 10 us.
-pub(super) const TOLERANCE: f64 = 1e-3;
-
-/// Speed below which a load is at rest (m/s, rad/s): the engine's iterations shrink a speed to the
-/// smallest numbers there are, not to zero. At this speed a load moves less than the diameter of a
-/// nucleus in a thousand years.
-const REST_SPEED: f64 = 1e-30;
 
 /// Motion at the end of a step without a finite answer.
 pub(super) const NOT_FINITE: Motion = Motion {

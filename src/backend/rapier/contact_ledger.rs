@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::step::Step;
+use crate::backend::numerics::N_IMPACT_STEPS;
 use crate::backend::report::{EnergyLedger, ImpactLaw, TransitionKind};
 
 /// What the last steps found at one obstacle.
@@ -16,11 +17,6 @@ pub struct Touch {
     #[serde(default)]
     has_bounced: bool,
 }
-
-/// Number of steps in which the load may lose its speed towards an obstacle. In the first one it
-/// closes the gap exactly, in the second one it stops. What it loses against an obstacle later is
-/// an error of the steps.
-const N_IMPACT_STEPS: u8 = 2;
 
 impl Touch {
     pub fn is_closed(&self) -> bool {

@@ -1,5 +1,6 @@
 //! Contacts of the load with obstacles as plain data in f64 and world axes.
 
+use crate::backend::numerics::{APART_CONTACTS, RIGHT_NORMAL};
 use crate::backend::report::SideContact;
 use crate::math::{Pose, Twist, Vec2, perpendicular};
 use crate::model::World;
@@ -26,17 +27,6 @@ impl ObstacleStep {
     }
 }
 
-/// Largest velocity at which a penetration is removed, over the radius of the load (1/s): the
-/// engine's default, with the radius as the unit of length.
-pub const FASTEST_CORRECTION: f64 = 3.0;
-
-/// Angle up to which a normal counts as right (rad). In f32, points are known to 1e-5 of the size
-/// of a load; wrong normals are wrong by degrees.
-const RIGHT: f64 = 1e-4;
-
-/// Least distance of two contacts that shows a direction, over that from the load's origin (1).
-const APART: f64 = 1e-3;
-
 /// Normal of a pair of contacts between two straight sides, with these arms and gaps (m), for which
 /// the engine has `found` one.
 ///
@@ -46,8 +36,8 @@ const APART: f64 = 1e-3;
 pub fn normal_of_sides(found: Vec2, arms: [Vec2; 2], gaps: [f64; 2]) -> Vec2 {
     let along = arms[1] - arms[0];
     let length = along.norm();
-    let is_right = found.dot(&along).abs() <= (gaps[1] - gaps[0]).abs() + RIGHT * length;
-    if is_right || length <= APART * arms[0].norm() {
+    let is_right = found.dot(&along).abs() <= (gaps[1] - gaps[0]).abs() + RIGHT_NORMAL * length;
+    if is_right || length <= APART_CONTACTS * arms[0].norm() {
         return found;
     }
     let across = perpendicular(&along) / length;

@@ -25,6 +25,7 @@ use super::joints::FrictionJoint;
 use super::prediction::{self, Problem};
 use super::springs::{SpringSum, seen_from, turned};
 use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver, WarmStart};
+use crate::backend::numerics::N_POLYGON_AXES;
 use crate::backend::report::{Motion, RestoreError, StepReport};
 use crate::math::{Mat3, Vec2, Vec3, direction};
 use crate::model::System;
@@ -67,9 +68,6 @@ pub struct Drive<'a> {
     /// Rounding of the gaps of the contacts (m).
     pub rounding: f64,
 }
-
-/// Number of axes of the polygon in a half turn (1).
-const N_POLYGON_AXES: usize = 8;
 
 impl GroundFriction {
     pub fn new(system: &System, model: FrictionModel) -> Self {

@@ -1,9 +1,9 @@
 //! One step of the backend: contacts, joints, the engine, and the ledger.
 
 use super::aggregate::fold;
-use super::backend::{NOT_FINITE, Rapier, TOLERANCE, Work};
+use super::backend::{NOT_FINITE, Rapier, Work};
 use super::contact_ledger::add_contacts;
-use super::contacts::{FASTEST_CORRECTION, ObstacleStep};
+use super::contacts::ObstacleStep;
 use super::ground::Drive;
 use super::joints::{BodyState, StepInputs};
 use super::ledger::{add_friction, add_springs};
@@ -11,15 +11,11 @@ use super::options::{EngineSettings, Precision, SpringModel};
 use super::residual::{gap_rounding, residual, violation};
 use super::springs::{SpringSum, turned};
 use super::step::Step;
+use crate::backend::numerics::{ENGINE_TOLERANCE, FASTEST_CORRECTION, MORE_SWEEPS};
 use crate::backend::report::{Motion, Status, StepReport};
 use crate::math::{Twist, Vec2, direction};
 use crate::model::Load;
 use crate::stop;
-
-/// Numbers of sweeps in the attempts at a step with contacts, over the usual number (1). A box that
-/// slides along a wall in steps of 0.02 / omega ends at 1e-13 after 24 sweeps; with steps of 0.6 /
-/// omega, its springs, supports and two contacts agree after 300.
-const MORE_SWEEPS: [usize; 3] = [1, 4, 16];
 
 impl Rapier {
     /// Makes one step of `duration` (s), from the tips of `work.from` to those of the state, with
@@ -48,7 +44,7 @@ impl Rapier {
         add_friction(&mut ledger, &self.system.load, &step, from_contacts);
         add_springs(&mut ledger, &step, &mut dashpots);
         report.residual = report.residual.max(residual(&self.system.load, self.slip_limit, &step));
-        let is_at_rest = report.residual <= TOLERANCE && self.repeats(&step, &body);
+        let is_at_rest = report.residual <= ENGINE_TOLERANCE && self.repeats(&step, &body);
         (work.dashpots, work.touches, work.happened) = (dashpots, touches, happened);
         if !self.accept(work, body, end.pose.heading, ledger) {
             return StepReport { status: Status::Failed, n_not_converged: 1, n_steps: 1, residual: 0.0, ..report };
@@ -58,7 +54,7 @@ impl Rapier {
         if self.options.precision != Precision::F64 {
             report.lost_share = self.lost_share(&start, &moved, duration);
         }
-        if report.residual > TOLERANCE || report.lost_share > 0.0 {
+        if report.residual > ENGINE_TOLERANCE || report.lost_share > 0.0 {
             report.status = Status::NotConverged;
             report.n_not_converged = 1;
         }

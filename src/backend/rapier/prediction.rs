@@ -17,26 +17,9 @@ use crate::backend::contact::{
     ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, go_on_resting, solve_contacts,
 };
 use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver};
+use crate::backend::numerics::{CONTACT_STIFFNESS, ENGINE_UNCHANGED, FEW_CONTACTS, MOST_EXCHANGES, YIELDING};
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::support::wrench_of;
-
-/// Residual of the last forces up to which nothing has changed for a load at rest (1): rounding of
-/// the forces in it.
-const UNCHANGED: f64 = 1e-11;
-
-/// Stiffness of a stiff contact over that of the load in its direction (1). It leaves eight digits
-/// of the forces.
-const STIFFNESS: f64 = 1e8;
-
-/// Residual of forces of stiff contacts, in which the load yields by a share of 1e-8 (1).
-const YIELDING: f64 = 1e-6;
-
-/// Contacts up to which the exact solver tries all their modes.
-const FEW: usize = 4;
-
-/// Exchanges of contacts at most. Three hold a load, so that each of ten contacts comes in and goes
-/// out again before it ends.
-const MOST_EXCHANGES: usize = 20;
 
 /// Friction problem with the linear part `hessian`, `drive`, in load axes.
 pub struct Problem<'a> {
@@ -80,7 +63,7 @@ fn stopped(system: &ContactSystem, solver: &mut FrictionSolver, found: Found) ->
         return found;
     }
     let Some(flexibility) = system.hessian.try_inverse() else { return found };
-    let stiffness = |row: &Vec3| STIFFNESS / row.dot(&(flexibility * row));
+    let stiffness = |row: &Vec3| CONTACT_STIFFNESS / row.dot(&(flexibility * row));
     let closed = || system.rows.iter().zip(&found.forces).filter(|(_, force)| force.normal > 0.0).map(|(row, _)| row);
     let mut hessian = *system.hessian;
     for row in closed() {
@@ -117,7 +100,7 @@ fn wrench(rows: &[ContactRow], forces: &[SideForce]) -> Vec3 {
 /// Answer of all contacts at once, or else of few of them after another.
 fn search(system: &ContactSystem, solver: &mut FrictionSolver, rounding: f64) -> Found {
     let whole = solve_contacts(system, solver, None);
-    if whole.ending != Ending::NotConverged || system.rows.len() <= FEW {
+    if whole.ending != Ending::NotConverged || system.rows.len() <= FEW_CONTACTS {
         return Found::from(whole);
     }
     let forces = solver.warm_start().clone();
@@ -145,7 +128,7 @@ fn by_few(system: &ContactSystem, solver: &mut FrictionSolver, rounding: f64) ->
             few.iter().zip(&solution.forces).for_each(|(k, force)| forces[*k] = *force);
             return Some(Found { forces, ..Found::from(solution) });
         };
-        if few.len() == FEW {
+        if few.len() == FEW_CONTACTS {
             few = few.into_iter().zip(&solution.forces).filter(|(_, force)| force.normal > 0.0).map(|(k, _)| k).collect();
         }
         few.push(next);
@@ -194,7 +177,7 @@ fn rest(system: &ContactSystem, solver: &mut FrictionSolver, last: &[SideForce])
         ..*force
     };
     let forces: PerContact<SideForce> = pairs().map(slid_by).collect();
-    let residual = solver.hold(&-(system.drive + wrench(system.rows, &forces)), UNCHANGED)?;
+    let residual = solver.hold(&-(system.drive + wrench(system.rows, &forces)), ENGINE_UNCHANGED)?;
     Some(Found { ground: FrictionSolution { increment: Vec3::zeros(), mode: ContactMode::Stick, residual, n_iterations: 0 }, forces })
 }
 

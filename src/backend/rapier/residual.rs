@@ -4,6 +4,7 @@ use super::contacts::ContactPoint;
 use super::joints::FrictionJoint;
 use super::springs::turned;
 use super::step::Step;
+use crate::backend::numerics::{VELOCITY_ROUNDINGS, WHOLE_LIMIT};
 use crate::math::{Pose, Twist, Vec2, Vec3, perpendicular};
 use crate::model::Load;
 use crate::model::support::wrench_of;
@@ -27,7 +28,7 @@ pub fn violation(load: &Load, slip_limit: f64, step: &Step) -> f64 {
     let mut worst: f64 = 0.0;
     let rate = load.mass / step.duration;
     let fastest = step.start.twist.edge_speed(load.radius).max(step.end.twist.edge_speed(load.radius));
-    let rounding = ROUNDINGS * step.digit * fastest + gap_rounding(load, &step.start.pose, step.digit) / step.duration;
+    let rounding = VELOCITY_ROUNDINGS * step.digit * fastest + gap_rounding(load, &step.start.pose, step.digit) / step.duration;
     for contact in step.contacts {
         gap -= wrench_of(&contact.arm, &contact.force());
         worst = worst.max(rate * contact_violation(contact, step, rounding, rate));
@@ -42,7 +43,7 @@ pub fn violation(load: &Load, slip_limit: f64, step: &Step) -> f64 {
         }
     }
     worst = worst.max(gap.xy().norm()).max(gap.z.abs() / gyration);
-    if worst <= ROUNDINGS * step.digit * rate * fastest {
+    if worst <= VELOCITY_ROUNDINGS * step.digit * rate * fastest {
         return 0.0;
     }
     let pushes = step.contacts.iter().fold(0.0, |sum, contact| sum + contact.push);
@@ -64,22 +65,15 @@ fn contact_violation(contact: &ContactPoint, step: &Step, rounding: f64, rate: f
     if contact.push <= rate * rounding {
         return (-closing - rounding).max(0.0);
     }
-    let is_at_limit = contact.rub.abs() >= contact.friction * contact.push * (1.0 - LIMIT) && contact.rub * slip <= 0.0;
+    let is_at_limit = contact.rub.abs() >= contact.friction * contact.push * (1.0 - WHOLE_LIMIT) && contact.rub * slip <= 0.0;
     closing.abs().max(if is_at_limit { 0.0 } else { slip.abs() })
 }
-
-/// Last digits of a velocity in a violation that is none (1): positions and velocities of a contact
-/// add up to a few. A load that closes its gap exactly is pushed by no more than such a rounding.
-const ROUNDINGS: f64 = 8.0;
 
 /// Rounding of the gaps of a load at this pose, for an engine whose numbers have the last `digit`
 /// (m).
 pub fn gap_rounding(load: &Load, pose: &Pose, digit: f64) -> f64 {
-    ROUNDINGS * digit * (pose.position.norm() + load.radius)
+    VELOCITY_ROUNDINGS * digit * (pose.position.norm() + load.radius)
 }
-
-/// Share of the friction limit that counts as all of it (1): a rounding in f32.
-const LIMIT: f64 = 1e-6;
 
 /// `violation` (N) over `forces` (N). Without forces it is zero for no violation, and else one.
 fn relative(violation: f64, forces: f64) -> f64 {

@@ -3,18 +3,13 @@
 //! A step is a function of the state of the load, of the tips, and of a warm start that affects
 //! rounding alone. If the load is at rest at both ends of a step in which no tip moved, the next
 //! step is therefore the same again. At rest means that the state has not changed by a bit, or that
-//! it has shifted by less than [`STILL`] at a speed that changes no force by more than rounding: a
-//! million such steps add up to 1e-15 m. A load that creeps faster is not at rest. Neither is one
-//! under the engine defaults, whose creep is part of the result.
+//! it has shifted by less than [`STILL_SHIFT`] at a speed that changes no force by more than
+//! rounding: a million such steps add up to 1e-15 m. A load that creeps faster is not at rest.
+//! Neither is one under the engine defaults, whose creep is part of the result.
 
 use super::joints::BodyState;
 use super::step::Step;
-
-/// Shift of any point of the load in a step that counts as none (m).
-const STILL: f64 = 1e-21;
-/// Speed of any point of the load that is rounding (m/s): to lose it in a millisecond, a gram needs
-/// 1e-15 N.
-const SLOWEST: f64 = 1e-15;
+use crate::backend::numerics::{ROUNDED_SPEED, STILL_SHIFT};
 
 /// Whether a load of this `radius` (m) was at rest in `step`, from the state `before` to the state
 /// `after`.
@@ -24,6 +19,6 @@ pub fn is_at_rest(step: &Step, before: &BodyState, after: &BodyState, radius: f6
     }
     let shift = step.end.pose.position - step.start.pose.position;
     let turn = step.end.pose.heading - step.start.pose.heading;
-    let is_slow = |body: &BodyState| body.velocity.amax().max(radius * body.turn_rate.abs()) <= SLOWEST;
-    shift.amax().max(radius * turn.abs()) <= STILL && is_slow(before) && is_slow(after)
+    let is_slow = |body: &BodyState| body.velocity.amax().max(radius * body.turn_rate.abs()) <= ROUNDED_SPEED;
+    shift.amax().max(radius * turn.abs()) <= STILL_SHIFT && is_slow(before) && is_slow(after)
 }

@@ -7,14 +7,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::numerics::{LARGEST_SHARE, SHORTEST_PATH};
 use crate::backend::report::Motion;
 use crate::math::Vec2;
-
-/// Largest share of the path that a run may lose (1), the tolerance of a verdict.
-const LARGEST_SHARE: f64 = 0.01;
-/// Path over the load's radius below which losses are compared with this (1). A load that is held
-/// in f32 creeps by 1e-9 m/s while its position stays; such a load is not to count as moving.
-const SHORTEST_PATH: f64 = 0.1;
 
 /// Sums over the steps of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

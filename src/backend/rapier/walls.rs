@@ -7,10 +7,7 @@
 //! hull of the gaps, by the monotone chain of Andrew (1979).
 
 use crate::backend::contact::ContactRow;
-
-/// Sine of the angle between two normals of one wall (1). Over the size of a load it is far less
-/// than the engine's rounding of contact points, and more than that of normals.
-const SAME: f64 = 1e-9;
+use crate::backend::numerics::PARALLEL_NORMALS;
 
 /// Contacts without which no other one loses its meaning, in their order. Gaps, slips and lever
 /// arms are known up to `rounding` (m).
@@ -29,7 +26,7 @@ pub fn that_matter(rows: &[ContactRow], rounding: f64) -> Vec<usize> {
 
 fn are_one_wall(a: &ContactRow, b: &ContactRow, rounding: f64) -> bool {
     a.friction_coefficient == b.friction_coefficient
-        && (a.normal.xy() - b.normal.xy()).amax() <= SAME
+        && (a.normal.xy() - b.normal.xy()).amax() <= PARALLEL_NORMALS
         && (a.slip - b.slip).abs() <= rounding
 }
 

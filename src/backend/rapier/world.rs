@@ -6,12 +6,13 @@ use super::engine::prelude::{
     IntegrationParameters, IslandManager, JointAxesMask, JointAxis, JointMotor, MassProperties, MotorModel, MultibodyJointSet, NarrowPhase,
     PhysicsHooks, PhysicsPipeline, Pose, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SoftBodySet, SpringCoefficients, Vector,
 };
+use crate::backend::numerics::FASTEST_CORRECTION;
 
 use super::Real;
 use super::convert::{narrow, pose_of, unit, wide, widened};
 use super::impact::ImpactLaw;
 use super::obstacles::{Obstacles, load_collider};
-use crate::backend::rapier::contacts::{ContactPoint, FASTEST_CORRECTION, ObstacleStep};
+use crate::backend::rapier::contacts::{ContactPoint, ObstacleStep};
 use crate::backend::rapier::joints::{AxisLaw, BodyState, Engine, FrictionJoint, SpringJoint, StepInputs};
 use crate::backend::rapier::{EngineSettings, FrictionModel, RapierOptions};
 use crate::math::{Twist, Vec2, Vec3, Wrench, perpendicular};

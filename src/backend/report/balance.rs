@@ -7,12 +7,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::ledger::{CLOSED_LEDGER, EnergyLedger};
+use super::ledger::EnergyLedger;
 use super::step_report::{Status, StepReport};
-
-/// Largest gain of energy over the energy that went in (1): the share of a path that a verdict
-/// allows as its error.
-const LARGEST_SHARE: f64 = 0.01;
+use crate::backend::numerics::{CLOSED_LEDGER, LARGEST_SHARE};
 
 /// Energy that went into a run, against which its gain is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

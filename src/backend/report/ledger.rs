@@ -2,11 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Largest defect outside of jumps, over the largest entry, with which the ledger of a run under
-/// error control counts as closed (1). Such a run keeps the energy of each macro-step to a share of
-/// its tolerance. The ledgers of runs that lose or gain energy by a wrong event are off by
-/// percents; a thousandth lies between both, and below all that is printed of an energy.
-pub const CLOSED_LEDGER: f64 = 1e-3;
+use crate::backend::numerics::CLOSED_LEDGER;
 
 /// Largest defect outside of jumps, over the largest entry, with which a ledger counts as closed
 /// (1). A run at fixed steps has the error of its steps, and is allowed what the comparison that

@@ -12,7 +12,7 @@ mod transition;
 pub use crate::model::Motion;
 pub use balance::{Balance, judge_exact};
 pub use doubt::{Doubts, PoseError};
-pub use ledger::{CLOSED_LEDGER, DefectParts, EnergyLedger, closed_share};
+pub use ledger::{DefectParts, EnergyLedger, closed_share};
 pub use saved_state::{RestoreError, SaveError, SavedState};
 pub use side_contact::SideContact;
 pub use skips::{Skip, SkipCounts, Skips};

@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::numerics::LARGEST_ENTRY;
 use crate::model::Motion;
 use crate::scenario::cut;
 
@@ -50,8 +51,6 @@ impl RestoreError {
     /// # Errors
     /// When a restored motion is none to compute with.
     pub(in crate::backend) fn check_motion(motion: &Motion) -> Result<(), Self> {
-        /// Largest entry of a motion (SI units). Scenarios end at 1e50.
-        const LARGEST_ENTRY: f64 = 1e60;
         let far = motion.entries().into_iter().find(|entry| entry.abs() > LARGEST_ENTRY);
         far.map_or(Ok(()), |entry| Err(Self(format!("a motion with the entry {entry:e}"))))
     }

@@ -19,16 +19,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::backend::friction::FrictionSolver;
+use crate::backend::numerics::{CERTIFICATE_BALL, CERTIFICATE_TURN};
 use crate::backend::report::RestoreError;
 use crate::backend::springs::{AttachedSprings, Attachment, Place, SpringBlocks, TipPaths};
 use crate::math::{Mat3x2, Vec2, Vec3};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::{PolarSpring, SpringShape};
-
-/// Radius of the ball over the length of the spring (1). The law changes little in it.
-const BALL: f64 = 0.125;
-/// Largest change of the direction of a spring in the ball (rad): arcsin(1/8), rounded up.
-const LARGEST_TURN: f64 = 0.1254;
 
 /// Proof that the load sticks for tips near those that it was made for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -188,7 +184,7 @@ impl Ball {
     /// load axes). `None` for a spring too short to have a direction.
     fn about(attachment: &Attachment, spring: &PolarSpring, at: &Place) -> Option<(Self, Vec3)> {
         let Reach { arm, shape, pull } = Reach::of(attachment, spring, at)?;
-        let radius = if spring.is_isotropic() { f64::MAX } else { BALL * shape.length };
+        let radius = if spring.is_isotropic() { f64::MAX } else { CERTIFICATE_BALL * shape.length };
         Some((Self { attachment: *attachment, radius }, pull.push(arm.perp(&pull))))
     }
 
@@ -228,7 +224,7 @@ impl Growth {
         } else {
             let [along, across, between] = spring.polar_stiffness(shape.length, shape.swing);
             let largest = along.max(across.abs()) + between.abs();
-            let curvature = spring.largest_curvature(shape.length - radius, shape.swing.abs() + LARGEST_TURN);
+            let curvature = spring.largest_curvature(shape.length - radius, shape.swing.abs() + CERTIFICATE_TURN);
             solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature)
         };
         let column = |shift: Vec2| {

@@ -6,7 +6,7 @@ use std::ops::Deref;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-use crate::backend::friction::EXACT;
+use crate::backend::numerics::{EXACT, LARGEST_ENTRY, LARGEST_SWING};
 use crate::backend::report::RestoreError;
 use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, Reaction, SpringShape, System};
@@ -148,7 +148,7 @@ impl Attachments {
         // other.
         let targets = self.iter().map(|attachment| &targets[attachment.spring]);
         let [x, y] = targets.fold([0.0f64; 2], |[x, y], tip| [x + tip.x.abs(), y + tip.y.abs()]);
-        x + y < FARTHEST && self.n_nowhere == 0 && duration > 0.0 && duration.is_finite()
+        x + y < LARGEST_ENTRY && self.n_nowhere == 0 && duration > 0.0 && duration.is_finite()
     }
 
     /// Whether every tip is at its entry of `targets`.
@@ -176,7 +176,7 @@ impl Attachments {
         if !(in_order && exist) {
             return Err(RestoreError(format!("attachments that are not of {} springs", springs.len())));
         }
-        match self.iter().find(|attachment| !is_somewhere(&attachment.tip) || attachment.swing.abs() > MOST_SWING) {
+        match self.iter().find(|attachment| !is_somewhere(&attachment.tip) || attachment.swing.abs() > LARGEST_SWING) {
             Some(Attachment { spring, tip, swing }) => {
                 Err(RestoreError(format!("spring {spring} with its tip at [{}, {}] m and a swing of {swing} rad", tip.x, tip.y)))
             }
@@ -221,14 +221,8 @@ pub fn pulls_with(system: &System, spring: usize, energy: f64) -> bool {
     !is_at_rest
 }
 
-/// Largest swing (rad): beyond it a float does not count turns any more.
-const MOST_SWING: f64 = 1e12;
-
-/// Distance beyond which energies have no finite value (m). Scenarios end at 1e50 m.
-const FARTHEST: f64 = 1e60;
-
 fn is_somewhere(tip: &Vec2) -> bool {
-    tip.x.abs() + tip.y.abs() < FARTHEST
+    tip.x.abs() + tip.y.abs() < LARGEST_ENTRY
 }
 
 fn finite_or_zero(energy: f64) -> f64 {

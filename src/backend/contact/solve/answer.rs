@@ -6,15 +6,13 @@ use super::feasible::conflict;
 use super::modes::newton;
 use super::problem::{Candidate, PerCone, Problem, Start};
 use super::rest::balance;
-use super::search::{ACCEPTED, Search};
+use super::search::Search;
 use super::types::{ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};
 use super::unique::is_only_answer;
 use crate::backend::friction::cones::Cones;
 use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver};
+use crate::backend::numerics::{ACCEPTED, CONVERGED};
 use crate::math::{Vec2, Vec3};
-
-/// Residual up to which an answer is reported as one (1).
-const CONVERGED: f64 = 1e-11;
 
 /// The increment and the forces of a step. The ground under the load is that of `solver`, whose
 /// last answer becomes this one. `warm` is the answer of a similar step, from which the search

@@ -10,15 +10,8 @@ use smallvec::SmallVec;
 use super::linear::across;
 use super::problem::Problem;
 use super::types::{ContactRow, PerContact};
+use crate::backend::numerics::{MOST_REFLECTIONS, ROUNDED_OVERLAP, UNIT_IMBALANCE};
 use crate::math::Vec3;
-
-/// Imbalance of unit rows that is rounding (1).
-const ROUNDED: f64 = 1e-12;
-/// Overlap over the size of the increment that is rounding (1).
-const OVERLAP: f64 = 1e-12;
-/// Reflections at most, before all groups are tried. They take as long as some hundred groups, and
-/// thirty contacts have 31,900.
-const MOST_REFLECTIONS: usize = 50;
 
 /// The smallest group of contacts whose gaps no increment satisfies together; empty if there is
 /// none.
@@ -76,7 +69,7 @@ fn conflicts(problem: &Problem, group: &[usize]) -> bool {
     let units: SmallVec<[Vec3; 4]> = rows.iter().zip(&sizes).map(|(row, size)| row.normal / *size).collect();
     let Some(shares) = dependence(&units) else { return false };
     let overlap: f64 = shares.iter().zip(&rows).zip(&sizes).map(|((share, row), size)| share * row.gap / size).sum();
-    shares.iter().all(|share| *share > ROUNDED) && overlap < -OVERLAP * problem.extent
+    shares.iter().all(|share| *share > UNIT_IMBALANCE) && overlap < -ROUNDED_OVERLAP * problem.extent
 }
 
 /// Shares, the last of them one, with which the vectors add up to zero; `None` where they do not,
@@ -86,12 +79,12 @@ fn dependence(units: &[Vec3]) -> Option<SmallVec<[f64; 4]>> {
     let mut basis: SmallVec<[Vec3; 3]> = SmallVec::new();
     for unit in others {
         let rest = across(unit, &basis);
-        if rest.norm() <= ROUNDED {
+        if rest.norm() <= UNIT_IMBALANCE {
             return None;
         }
         basis.push(rest.normalize());
     }
-    if across(last, &basis).norm() > ROUNDED {
+    if across(last, &basis).norm() > UNIT_IMBALANCE {
         return None;
     }
     // Back substitution: the vectors are triangular in the basis.

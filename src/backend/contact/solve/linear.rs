@@ -2,6 +2,7 @@
 
 use smallvec::SmallVec;
 
+use crate::backend::numerics::DEPENDENT_ROW;
 use crate::math::{Mat3, Vec3};
 
 /// Unknowns at most: a twist and three forces.
@@ -89,9 +90,6 @@ impl System {
     }
 }
 
-/// Length of the part of a unit row across the others below which it depends on them (1).
-const DEPENDENT: f64 = 1e-9;
-
 /// Up to three orthonormal rows, which span those that were taken.
 #[derive(Default)]
 pub struct Basis(SmallVec<[Vec3; 3]>);
@@ -100,7 +98,7 @@ impl Basis {
     /// Takes a row unless it depends on those before; returns whether it did.
     pub fn takes(&mut self, row: &Vec3) -> bool {
         let rest = across(row, &self.0);
-        let is_independent = self.0.len() < 3 && rest.norm() > DEPENDENT * row.norm();
+        let is_independent = self.0.len() < 3 && rest.norm() > DEPENDENT_ROW * row.norm();
         if is_independent {
             self.0.push(rest.normalize());
         }

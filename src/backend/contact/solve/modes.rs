@@ -16,30 +16,13 @@
 use smallvec::SmallVec;
 
 use super::linear::{Basis, MOST, System};
-use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
+use super::problem::{Candidate, PerCone, Problem, Start};
 use super::types::{PerContact, SideForce, SideMode};
 use crate::backend::friction::ContactMode;
+use crate::backend::numerics::{
+    CONSISTENT, CONTRADICTS, MODE_ITERATIONS, MOST_IDLE, NOTHING_LEFT, RESTS, ROUNDED_RISE, SOFT_RIDGE, WELL_POSED,
+};
 use crate::math::{Mat3, Vec2, Vec3};
-
-/// Iterations at most; a start that needs more was not near.
-const MOST_ITERATIONS: u32 = 14;
-/// Iterations in a row, none of which halves the least residual, after which hardly any method
-/// still converges.
-const MOST_IDLE: u32 = 6;
-/// Residual at which nothing is left to gain (1).
-const ROUNDED: f64 = 1e-15;
-/// Residual below which a rise is rounding (1).
-const CLOSE: f64 = 1e-11;
-/// Error of an equation that depends on others, over the size of the increment, that is rounding
-/// (1).
-pub const CONSISTENT: f64 = 1e-11;
-/// Ridge that stands for the stiffness of directions without any, over the largest one (1).
-const RIDGE: f64 = 1e-12;
-
-/// Error of a condition, over the size of the increment, that is no rounding of an increment that
-/// three rows of this condition number at most give (1).
-const CONTRADICTS: f64 = 1e-6;
-const WELL_POSED: f64 = 1e8;
 
 /// What the force of a row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,13 +231,13 @@ impl Search<'_> {
             if size < best_size {
                 best = (self.twist, self.equations.clone());
             }
-            let leads_nowhere = n == MOST_ITERATIONS || n_idle == MOST_IDLE;
-            let is_over = size <= ROUNDED || size >= best_size && best_size <= CLOSE || leads_nowhere;
+            let leads_nowhere = n == MODE_ITERATIONS || n_idle == MOST_IDLE;
+            let is_over = size <= NOTHING_LEFT || size >= best_size && best_size <= ROUNDED_RISE || leads_nowhere;
             best_size = best_size.min(size);
             if is_over {
                 (self.twist, self.equations) = best;
                 let moves = self.twist.amax() > RESTS * self.problem.extent;
-                return (if moves { best_size.is_finite() } else { best_size <= CLOSE }).then_some((n, slopes));
+                return (if moves { best_size.is_finite() } else { best_size <= ROUNDED_RISE }).then_some((n, slopes));
             }
             n += 1;
             self.step(&imbalance, &slopes)?;
@@ -338,7 +321,7 @@ impl Search<'_> {
     /// determinant has the sign of that of `R C D'`, times -1 for each row of a support.
     fn bordered(&self, slopes: &Mat3, chosen: &[usize]) -> System {
         let size = slopes.amax().max(f64::MIN_POSITIVE);
-        let hessian = slopes / size + RIDGE * Mat3::identity();
+        let hessian = slopes / size + SOFT_RIDGE * Mat3::identity();
         let equations = chosen.iter().map(|j| &self.equations[*j]);
         let mut system = System::bordered(&hessian, equations.map(|equation| (equation.row, equation.direction)));
         system.scale();

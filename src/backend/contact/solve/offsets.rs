@@ -12,40 +12,15 @@ use super::path::follow;
 use super::problem::{Candidate, PerCone, Start};
 use super::relaxed::{Facet, Facets, Relaxed};
 use super::rest::balance;
-use super::search::{ACCEPTED, Guess, Search, polish};
+use super::search::{Guess, Search, polish};
 use super::types::{ContactRow, PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::ContactMode;
+use crate::backend::numerics::{
+    ACCEPTED, DISTURBANCE, DISTURBED_ROUNDS, FIRST_OFFSET, FULL_ROUNDS, MAGNIFIED, MOST_ROTATIONS, NEXT_TO_REST, OFFSET_ROUNDING,
+    OFFSET_ROUNDS, SAME_INCREMENT, STEEP_SLIP, UNCHANGED_OFFSETS,
+};
 use crate::math::{Vec2, Vec3};
 use crate::stop;
-
-/// Slip offset over the size of the increment at which rest is asked whether it is stable (1). In a
-/// short step a load slides by little before its springs hold it again, and the offset has to be
-/// less than that.
-const DISTURBANCE: f64 = 1e-9;
-/// Size of the increment over that offset that its step is solved for (1).
-const MAGNIFIED: f64 = 1e3;
-/// Slip offset over the size of the increment at which the search for a slide begins (1).
-const FIRST_OFFSET: f64 = 1e-3;
-/// Slips beyond the offsets that are rounding, over the offsets (1).
-const ROUNDED: f64 = 1e-6;
-/// Rounds of Newton's method on the offsets.
-const MOST_ROUNDS: u32 = 40;
-/// Rounds of Newton's method away from a rest that is not stable.
-const FEW_ROUNDS: u32 = 12;
-/// Difference of two increments over their size that is rounding (1).
-const SAME: f64 = 1e-9;
-/// Change of the offsets over the largest that is rounding (1). What follows would be the same: the
-/// convex step has slips of these offsets but no answer, as where friction cones contradict gaps.
-const UNCHANGED: f64 = 1e-12;
-/// Rounds after which steps are shortened: Newton's method goes to and fro.
-const LONG_ROUNDS: u32 = 25;
-/// Growth of the slip by its offset from which on the offset is not near its root (1).
-const STEEP: f64 = 0.9;
-/// Rounds of rotations at most that decouple a slope into its eigenvalues: one takes some three.
-const MOST_ROTATIONS: usize = 200;
-/// Size of the answer of a convex step, over that without contacts, up to which it is next to the
-/// limit of slipping (1).
-const NEXT_TO_REST: f64 = 1e-3;
 
 impl<'a> Search<'a> {
     /// Rest that is stable, or else a slide.
@@ -120,7 +95,7 @@ impl<'a> Search<'a> {
             path.is_converged.then_some(path.twist)
         })?;
         let slip = |k: usize| self.problem.slip(k, &disturbed).abs();
-        Some((0..offsets.len()).all(|k| offsets[k] == 0.0 || slip(k) <= offsets[k] * (1.0 + ROUNDED)))
+        Some((0..offsets.len()).all(|k| offsets[k] == 0.0 || slip(k) <= offsets[k] * (1.0 + OFFSET_ROUNDING)))
     }
 
     /// Increment of a convex step with small slip offsets, by Newton's method. A load that rests on
@@ -171,9 +146,9 @@ impl<'a> Search<'a> {
     fn climb(&mut self, mut offsets: PerContact<f64>, mut relaxed: Relaxed<'a>, rest: Option<&Candidate>) -> bool {
         let is_rest = |found: &Candidate, same: f64| rest.is_some_and(|rest| (found.twist - rest.twist).amax() <= same);
         let first = largest(&offsets);
-        for round in 0..if rest.is_some() { FEW_ROUNDS } else { MOST_ROUNDS } {
+        for round in 0..if rest.is_some() { DISTURBED_ROUNDS } else { OFFSET_ROUNDS } {
             stop::point();
-            let same = SAME * self.problem.extent;
+            let same = SAME_INCREMENT * self.problem.extent;
             let found = self.polished(&relaxed).filter(|found| !is_rest(found, same));
             if found.is_some_and(|found| self.consider(found)) {
                 return true;
@@ -181,7 +156,7 @@ impl<'a> Search<'a> {
             let Some(step) = self.offset_step(&relaxed, &offsets, round) else { return false };
             let next: PerContact<f64> = offsets.iter().zip(&step).map(|(offset, step)| (offset + step).max(0.0)).collect();
             let height = largest(&next);
-            let is_unchanged = offsets.iter().zip(&next).all(|(offset, next)| (next - offset).abs() <= UNCHANGED * height);
+            let is_unchanged = offsets.iter().zip(&next).all(|(offset, next)| (next - offset).abs() <= UNCHANGED_OFFSETS * height);
             // Offsets below the first ones lead back to rest: in 20,000 random steps no search that
             // went on from there found a slide.
             if is_unchanged || rest.is_some() && height < first {
@@ -202,10 +177,10 @@ impl<'a> Search<'a> {
         if n == 0 || !slope.iter().all(|v| v.is_finite()) {
             return None;
         }
-        let step = if round < LONG_ROUNDS && steepest(&slope) < STEEP {
+        let step = if round < FULL_ROUNDS && steepest(&slope) < STEEP_SLIP {
             (DMatrix::identity(n, n) - slope).lu().solve(&missing)?
         } else {
-            missing * if round < LONG_ROUNDS { 4.0 } else { 0.5 }
+            missing * if round < FULL_ROUNDS { 4.0 } else { 0.5 }
         };
         Some(step.iter().copied().collect())
     }

@@ -20,25 +20,13 @@ use smallvec::SmallVec;
 use super::problem::{PerCone, Problem};
 use super::types::{ContactRow, PerContact, SideForce};
 use crate::backend::friction::ContactMode;
+use crate::backend::numerics::{LAST_SMOOTHING, NEAR_SMOOTHING, PATH_IMBALANCE, PATH_ITERATIONS, PATH_ROUNDING, SHARE_TO_LIMIT};
 use crate::math::{Mat2, Mat3, Vec2, Vec3, perpendicular};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::stop;
 
 /// One entry per row.
 type PerRow<T> = SmallVec<[T; 8]>;
-
-/// Iterations at most; a convex step takes some twenty.
-const MOST_ITERATIONS: u32 = 80;
-/// Smoothing at the end (1).
-const END: f64 = 1e-13;
-/// Imbalance at the end (1).
-const BALANCED: f64 = 1e-11;
-/// Error of a condition over the smoothing that does not matter (1).
-const NEAR: f64 = 10.0;
-/// Rounding of a gap, over the gap (1).
-const ROUNDED: f64 = 1e-15;
-/// Share of the distance to a limit that a step may go (1).
-const SHARE: f64 = 0.97;
 
 /// End of a path, in units of the cones.
 #[derive(Clone, Debug)]
@@ -80,13 +68,13 @@ pub fn follow(problem: &Problem) -> Path {
     let mut state = State::new(problem);
     let (mut smoothing, mut n_iterations, mut is_converged) = (1.0, 0, false);
     let mut slopes = Mat3::zeros();
-    while n_iterations < MOST_ITERATIONS {
+    while n_iterations < PATH_ITERATIONS {
         stop::point();
         n_iterations += 1;
         let Some((step, found)) = state.newton_step(smoothing) else { break };
         slopes = found;
         let Some(share) = state.advance(&step, smoothing) else { break };
-        if smoothing <= END && state.is_solved(smoothing) {
+        if smoothing <= LAST_SMOOTHING && state.is_solved(smoothing) {
             is_converged = true;
             break;
         }
@@ -98,7 +86,7 @@ pub fn follow(problem: &Problem) -> Path {
             } else {
                 1.0
             })
-        .max(END);
+        .max(LAST_SMOOTHING);
     }
     state.end(smoothing, &slopes, is_converged, n_iterations)
 }
@@ -171,7 +159,7 @@ impl<'a> State<'a> {
 
     /// Whether all conditions of the smoothed step hold, as far as it matters.
     fn is_solved(&self, smoothing: f64) -> bool {
-        let near = NEAR * smoothing;
+        let near = NEAR_SMOOTHING * smoothing;
         let support = |support: &Support| {
             let (slip, speed) = support.slip_and_speed(&self.twist, smoothing);
             (support.force * speed - support.limit * slip).norm() <= near * support.limit
@@ -180,9 +168,9 @@ impl<'a> State<'a> {
             let (SideForce { normal, tangential }, slip) = (row.force, row.slip(&self.twist));
             let slips = tangential * slip.hypot(smoothing) + row.scaled.friction_coefficient * normal * slip;
             let gap_error = row.gap_error(&self.twist, smoothing).abs();
-            normal * row.gap <= near && gap_error <= near + ROUNDED * row.gap && slips.abs() <= near * normal.max(1.0)
+            normal * row.gap <= near && gap_error <= near + PATH_ROUNDING * row.gap && slips.abs() <= near * normal.max(1.0)
         };
-        self.imbalance().amax() <= BALANCED && self.supports.iter().all(support) && self.rows.iter().all(row)
+        self.imbalance().amax() <= PATH_IMBALANCE && self.supports.iter().all(support) && self.rows.iter().all(row)
     }
 
     /// Newton step of the twist, and the derivative of the imbalance by the twist.
@@ -221,10 +209,10 @@ impl<'a> State<'a> {
                 return None;
             }
             if gap < 0.0 {
-                share = share.min(-SHARE * row.gap / gap);
+                share = share.min(-SHARE_TO_LIMIT * row.gap / gap);
             }
             if normal < 0.0 {
-                share = share.min(-SHARE * row.force.normal / normal);
+                share = share.min(-SHARE_TO_LIMIT * row.force.normal / normal);
             }
             row.change = (gap, SideForce { normal, tangential });
         }

@@ -5,6 +5,7 @@ use smallvec::SmallVec;
 use super::types::{ContactRow, ContactSystem, PerContact, SideForce, SideMode};
 use crate::backend::friction::ContactMode;
 use crate::backend::friction::cones::Cones;
+use crate::backend::numerics::{NO_SLIP, RESTS, ROUNDED_SLIP};
 use crate::math::{Mat3, Vec2, Vec3};
 
 /// One entry per cone.
@@ -49,14 +50,6 @@ pub struct Candidate {
     pub is_stable: bool,
     pub n_iterations: u32,
 }
-
-/// Change of the increment beyond which a slip has a direction, over the size of the increment (1).
-const NO_SLIP: f64 = 1e-13;
-
-/// Size of an increment that is rest, over that which is looked for (1).
-pub const RESTS: f64 = 1e-11;
-/// Rounding of the slip of a support, over the size of the increment (1).
-const ROUNDED_SLIP: f64 = 1e-13;
 
 /// Side contact whose gap and slip are in the unit of length of `cones`, per scaled twist.
 fn scaled(row: &ContactRow, cones: &Cones) -> ContactRow {

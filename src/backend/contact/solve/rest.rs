@@ -9,15 +9,9 @@ use super::problem::{Candidate, PerCone, Problem, Start};
 use super::types::{PerContact, SideForce, SideMode};
 use crate::backend::friction::ContactMode;
 use crate::backend::friction::cones::slip_gram;
+use crate::backend::numerics::{BALANCE_ROUNDS, FORCE_RIDGE, LEAST_ROOM};
 use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3};
 use crate::model::support::slip_velocity;
-
-/// Rounds: the second one balances what rounding has left.
-const N_ROUNDS: u32 = 2;
-/// Least room, over the limit (1).
-const LEAST_ROOM: f64 = 1e-9;
-/// Ridge for forces that do not span all wrenches, over the largest entry (1).
-const RIDGE: f64 = 1e-15;
 
 /// Rest with forces near those of `start`; `None` where they cannot balance.
 ///
@@ -39,7 +33,7 @@ pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start, power: i32)
         sides: start.forces.iter().copied().collect(),
     };
     forces.open();
-    for _ in 0..N_ROUNDS {
+    for _ in 0..BALANCE_ROUNDS {
         forces.change(&forces.missing())?;
     }
     let is_touched = modes.iter().any(|mode| *mode != SideMode::Open);
@@ -52,7 +46,7 @@ pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start, power: i32)
         are_forces_unique: !is_touched,
         is_consistent: true,
         is_stable: true,
-        n_iterations: N_ROUNDS,
+        n_iterations: BALANCE_ROUNDS,
     })
 }
 
@@ -113,7 +107,7 @@ impl Forces<'_> {
         for (_, _, column, room) in &columns {
             gram += *room * column * column.transpose();
         }
-        gram += Mat3::from_diagonal_element(RIDGE * gram.amax());
+        gram += Mat3::from_diagonal_element(FORCE_RIDGE * gram.amax());
         let twist = PositiveDefinite::new(&gram)?.solve(missing);
         for ((force, offset), room) in self.ground.iter_mut().zip(&cones.offsets).zip(&ground_room) {
             *force += *room * slip_velocity(offset, &twist);

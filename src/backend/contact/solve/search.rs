@@ -9,29 +9,14 @@
 //! 5. `enumerate`: all modes. Where an answer is known that is not stable, the search starts from
 //!    it, in modes near its own: most stable answers that the methods before missed are there.
 
-use super::modes::{CONSISTENT, contradict, newton, next_to_the_limit};
+use super::modes::{contradict, newton, next_to_the_limit};
 use super::path::{Path, follow, sides_of};
-use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
+use super::problem::{Candidate, PerCone, Problem, Start};
 use super::types::{PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::ContactMode;
+use crate::backend::numerics::{ACCEPTED, CONSISTENT, FEW_CONTACTS, MODE_CHANGES, MOST_OTHERS, RESTS, SLOW_CONTACT, SMALL_INCREMENT};
 use crate::math::{Vec2, Vec3};
 use crate::stop;
-
-/// Residual up to which an answer is taken without looking for a better one (1).
-pub const ACCEPTED: f64 = 1e-12;
-/// Changes of modes at most in one walk.
-const MOST_CHANGES: u32 = 6;
-/// Slip over the size of the increment below which a contact sticks (1).
-const SLOW: f64 = 1e-7;
-/// Size of the increment, over that without contacts, below which it becomes what lengths are
-/// compared with (1).
-const SMALL: f64 = 0.1;
-/// Contacts up to which all combinations of modes are tried.
-const FEW: usize = 4;
-/// Contacts at most whose modes differ between an answer that is not stable and one that is looked
-/// for near it. None of 20,000 random steps and of 1,319 steps of a jam had a stable answer that
-/// differed in more and moved the load otherwise; two of the jam did that differ in three.
-const MOST_OTHERS: usize = 3;
 
 pub struct Search<'a> {
     pub(super) problem: Problem<'a>,
@@ -113,7 +98,7 @@ impl<'a> Search<'a> {
     pub(super) fn walk(&mut self, mut guess: Guess, start: &Start) -> bool {
         let Some(mut found) = self.newton(&guess, start) else { return false };
         let mut before = PerContact::new();
-        for _ in 0..MOST_CHANGES {
+        for _ in 0..MODE_CHANGES {
             let modes: PerContact<SideMode> = (0..guess.modes.len()).map(|k| self.changed(k, &found)).collect();
             if self.consider(found.clone()) {
                 return true;
@@ -187,7 +172,7 @@ impl<'a> Search<'a> {
     /// Compares lengths with an increment of this size, where obstacles hold the load back so that
     /// it is far smaller than without them. Returns whether it is.
     fn shrink(&mut self, size: f64) -> bool {
-        let is_small = size < SMALL * self.problem.extent && size > RESTS * self.problem.extent;
+        let is_small = size < SMALL_INCREMENT * self.problem.extent && size > RESTS * self.problem.extent;
         if is_small {
             self.problem.extent = size;
         }
@@ -224,7 +209,7 @@ impl<'a> Search<'a> {
             let slip = problem.slip(k, &path.twist);
             if !path.is_closed[k] {
                 SideMode::Open
-            } else if problem.rows[k].friction_coefficient > 0.0 && slip.abs() < SLOW * problem.extent {
+            } else if problem.rows[k].friction_coefficient > 0.0 && slip.abs() < SLOW_CONTACT * problem.extent {
                 SideMode::Stick
             } else {
                 SideMode::Slide { forward: slip >= 0.0 }
@@ -245,7 +230,7 @@ impl<'a> Search<'a> {
 
     fn enumerate(&mut self) -> bool {
         let n = self.problem.rows.len();
-        if n > FEW {
+        if n > FEW_CONTACTS {
             return false;
         }
         let grounds = [ContactMode::Slip, ContactMode::Stick].into_iter().chain((0..self.problem.cones.len()).map(ContactMode::Pinned));

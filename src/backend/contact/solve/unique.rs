@@ -28,17 +28,9 @@
 use smallvec::{SmallVec, smallvec};
 
 use super::problem::{Candidate, PerCone, Problem};
+use crate::backend::numerics::{LEAST_WORK, MOST_PARTS, PARALLEL_NORMALS};
 use crate::math::{Vec2, Vec3};
 use crate::stop;
-
-/// Sine of the angle between two sides of one wall, and distance of these over the length of the
-/// cones (1).
-const SAME: f64 = 1e-9;
-/// Least work of a slide, over its slip and the limits of the ground, that is not rounding (1).
-const LEAST_WORK: f64 = 1e-9;
-/// Parts into which a family of slides is divided at most. Of 3,300 random families next to their
-/// limits, six were divided into as many, and nine of ten into at most six.
-const MOST_PARTS: usize = 64;
 
 /// Whether no slide balances the drive as the forces of this `rest` do. `false` proves nothing.
 pub fn is_only_answer(problem: &Problem, rest: &Candidate) -> bool {
@@ -77,7 +69,7 @@ impl Slides {
         let depth = first.tangent.z / size;
         for k in problem.touching_rows() {
             let (row, force) = (&problem.rows[k], &rest.forces[k]);
-            let same = |vector: Vec3, of: Vec2, z: f64| (vector / size - of.push(z)).amax() <= SAME;
+            let same = |vector: Vec3, of: Vec2, z: f64| (vector / size - of.push(z)).amax() <= PARALLEL_NORMALS;
             let arm = row.normal.z / size;
             if row.slip != 0.0 || !same(row.normal, normal, arm) || !same(row.tangent, tangent, depth) {
                 return None;

@@ -12,16 +12,8 @@
 //! method does not converge.
 
 use crate::backend::friction::cones::Cones;
-use crate::backend::friction::problem::EXACT;
+use crate::backend::numerics::{EXACT, GLIDING_ITERATIONS, NOTHING_LEFT, SLOWEST_GLIDING};
 use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3};
-
-/// Slip of a support over the size of the twist below which its direction is left to the polar
-/// coordinates (1). Turns count by the reach of the supports.
-const SLOWEST: f64 = 1e-3;
-/// Iterations at most; a start that needs more was not near.
-const MOST_ITERATIONS: u32 = 8;
-/// Residual at which nothing is left to gain (1).
-const ROUNDED: f64 = 1e-15;
 
 /// Derivative of the imbalance by the twist, factored (scaled).
 pub struct Tangent {
@@ -33,11 +25,11 @@ pub struct Tangent {
 /// Slip found from `start`, and its residual (1); `None` when there is no slip near it.
 pub fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, n_iterations: &mut u32) -> Option<(Vec3, f64)> {
     let (mut twist, mut last) = (*start, f64::INFINITY);
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..GLIDING_ITERATIONS {
         let mut derivative = *h;
         let residual = balance(cones, &(h * twist - w), Some(&mut derivative), &twist)?;
         let (size, scale) = (residual.amax(), cones.force_scale(h, w, &twist));
-        if size <= ROUNDED * scale || size <= EXACT * scale && size >= 0.25 * last {
+        if size <= NOTHING_LEFT * scale || size <= EXACT * scale && size >= 0.25 * last {
             return Some((twist, size / scale));
         }
         // Newton's method near an answer more than halves the residual. The first step, which also
@@ -60,7 +52,7 @@ pub fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, n_iterations: &mut 
 pub fn balance(cones: &Cones, gradient: &Vec3, mut derivative: Option<&mut Mat3>, twist: &Vec3) -> Option<Vec3> {
     let mut residual = *gradient;
     let reach = cones.cluster.unwrap_or(1.0);
-    let slowest = SLOWEST * SLOWEST * Vec3::new(twist.x, twist.y, reach * twist.z).norm_squared();
+    let slowest = SLOWEST_GLIDING * SLOWEST_GLIDING * Vec3::new(twist.x, twist.y, reach * twist.z).norm_squared();
     for (offset, limit) in cones.offsets.iter().zip(&cones.limits) {
         let slip = Vec2::new(twist.x - twist.z * offset.y, twist.y + twist.z * offset.x);
         let squared = slip.norm_squared();

@@ -26,6 +26,7 @@ mod start;
 use super::cones::Cones;
 use super::problem::{Candidate, ContactMode, WarmStart};
 use super::rest::Pressed;
+use crate::backend::numerics::FEW_SUPPORTS;
 use crate::math::{Mat3, Vec3};
 use start::{far_answer, linear_answer};
 
@@ -56,8 +57,7 @@ pub fn search(cones: &Cones, h: &Mat3, w: &Vec3, last: &mut WarmStart, n_iterati
 /// Answer by a turn about one support. The last pin is tried first. With many supports only that
 /// one is tried here, since the continuation finds the others at less cost.
 fn pin(cones: &Cones, h: &Mat3, w: &Vec3, last: &mut WarmStart) -> Option<Candidate> {
-    const FEW: usize = 8;
-    let others = if cones.len() <= FEW { cones.len() } else { 0 };
+    let others = if cones.len() <= FEW_SUPPORTS { cones.len() } else { 0 };
     let order = last.pin.into_iter().chain((0..others).filter(|k| Some(*k) != last.pin));
     for k in order {
         let found = pinned::about(cones, k, h, w, &mut last.forces);

@@ -19,13 +19,8 @@
 
 use crate::backend::friction::cones::Cones;
 use crate::backend::friction::problem::{Candidate, ContactMode};
+use crate::backend::numerics::{LEAST_TURN_STIFFNESS, SINGLE_ITERATIONS};
 use crate::math::{Mat2, Mat3, Vec2, Vec3, perpendicular};
-
-/// Far above the six or so iterations that a problem with a minimum needs.
-const MOST_ITERATIONS: u32 = 60;
-/// Resistance to turning about the support that counts as rounding, relative to the largest
-/// resistance (1).
-const LEAST_STIFFNESS: f64 = 1e-14;
 
 /// Answer for the only cone; writes its force.
 pub fn solve(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
@@ -82,7 +77,7 @@ impl Split {
         // The moment about the support from its own terms: none stays none.
         let moment = w.dot(&Vec3::new(offset.y, -offset.x, 1.0)) / (gain * lever);
         let w = basis.tr_mul(&w.component_mul(&units)).xy().push(moment);
-        h.m33 = h.m33.max(LEAST_STIFFNESS * h.diagonal().amax());
+        h.m33 = h.m33.max(LEAST_TURN_STIFFNESS * h.diagonal().amax());
 
         let share = if h.m33 > 0.0 { Vec2::new(h.m13, h.m23) / h.m33 } else { Vec2::zeros() };
         let mixed = h.m12 - share.x * h.m23;
@@ -110,7 +105,7 @@ impl Split {
     fn slip(&self, limit: f64, n_iterations: &mut u32) -> Vec2 {
         let mut speed = 0.0;
         let mut unit = self.force / limit;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..SINGLE_ITERATIONS {
             *n_iterations += 1;
             let system = Symmetric::new(&(speed * self.stiffness + Mat2::from_diagonal_element(limit)));
             unit = system.solve(&self.force);

@@ -12,16 +12,10 @@
 //! the limit surface. With g <= 1, the forces g f_i balance w and nothing moves.
 
 use crate::backend::friction::cones::Cones;
-use crate::backend::friction::problem::{Candidate, ContactMode, EXACT};
+use crate::backend::friction::problem::{Candidate, ContactMode};
+use crate::backend::numerics::{EXACT, SLIPPING_ITERATIONS, SLIPPING_PATIENCE, SLIPPING_TURN};
 use crate::math::{Mat2, Mat3, Vec2, Vec3, direction};
 use crate::model::support::{slip_velocity, wrench_of};
-
-/// Change of an angle in one step beyond which Newton's method is not trusted (rad).
-const LONGEST_TURN: f64 = 1.5;
-/// Iterations in a row in which the residual may fail to fall.
-const PATIENCE: u32 = 4;
-/// Iterations at most; near an answer some six are needed.
-const MOST_ITERATIONS: u32 = 40;
 
 /// The problem with twists about the slowest support.
 struct Rebased<'a> {
@@ -110,7 +104,7 @@ impl<'a> Rebased<'a> {
     /// Zero of `residual`, which also returns the derivative by (s, psi, phi).
     fn newton(&self, residual: impl Fn(f64, &Aim) -> (Vec3, Mat3), mut at: Polar, n_iterations: &mut u32) -> Option<Polar> {
         let (mut best, mut best_residual, mut waited) = (at, f64::INFINITY, 0);
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..SLIPPING_ITERATIONS {
             let aim = at.aim();
             let (value, jacobian) = residual(at.speed, &aim);
             let size = value.amax();
@@ -123,12 +117,12 @@ impl<'a> Rebased<'a> {
             if size <= 1e-16 * scale || waited > 0 && best_residual <= EXACT * scale {
                 break;
             }
-            if waited >= PATIENCE {
+            if waited >= SLIPPING_PATIENCE {
                 return None;
             }
             *n_iterations += 1;
             let step = jacobian.lu().solve(&value)?;
-            if !(step.y.abs() <= LONGEST_TURN && step.z.abs() <= LONGEST_TURN && step.x.is_finite()) {
+            if !(step.y.abs() <= SLIPPING_TURN && step.z.abs() <= SLIPPING_TURN && step.x.is_finite()) {
                 return None;
             }
             at = Polar { speed: at.speed - step.x, tilt: at.tilt - step.y, course: at.course - step.z };

@@ -9,22 +9,11 @@
 use super::start::far_answer;
 use super::{gliding, pinned, slipping};
 use crate::backend::friction::cones::Cones;
-use crate::backend::friction::problem::{Candidate, ContactMode, EXACT};
+use crate::backend::friction::problem::{Candidate, ContactMode};
+use crate::backend::numerics::{COARSE_ACCURACY, COARSE_STAGES, EXACT, SMOOTHED_ITERATIONS, SMOOTHED_STAGES, STAGE_ITERATIONS};
 use crate::math::{Mat2, Mat3, Vec2, Vec3};
 use crate::model::support::wrench_of;
 use crate::stop;
-
-/// Stages down to the rounding of double precision.
-const N_STAGES: i32 = 15;
-/// Stages at a coarse accuracy: nearly every answer is found in them.
-const FIRST_STAGES: i32 = 4;
-/// Accuracy of the first stages (1): the exact methods or the next stage take over from there.
-const NEAR: f64 = 1e-3;
-/// Iterations of one stage at most; a stage takes some ten.
-const MOST_ITERATIONS: u32 = 60;
-/// Iterations in all stages and in the exact methods between them at most; where these find the
-/// answer, all take some hundred.
-const MOST_IN_ALL: u32 = 300;
 
 /// Answer of an exact method from one of the stages, or else the best one after the last stage;
 /// writes the forces of the cones.
@@ -33,14 +22,14 @@ pub fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iteratio
     let mut twist = if cones.cluster.is_some() { start } else { Vec3::zeros() };
     let scale = if cones.cluster.is_some() { motion } else { motion.min(extent_of_motion(h, w)) };
     let mut rounding = scale;
-    let most = *n_iterations + MOST_IN_ALL;
-    for stage in 0..N_STAGES {
+    let most = *n_iterations + SMOOTHED_ITERATIONS;
+    for stage in 0..SMOOTHED_STAGES {
         stop::point();
         if *n_iterations >= most {
             break;
         }
         rounding = scale * 10f64.powi(-stage);
-        let accuracy = if stage < FIRST_STAGES { NEAR } else { EXACT };
+        let accuracy = if stage < COARSE_STAGES { COARSE_ACCURACY } else { EXACT };
         twist = minimise(&Rounded { cones, h, w, rounding }, twist, accuracy, n_iterations);
         if let Some(found) = exact_from(cones, h, w, &twist, rounding, forces, n_iterations) {
             return found;
@@ -150,7 +139,7 @@ impl Rounded<'_> {
 fn minimise(problem: &Rounded, start: Vec3, accuracy: f64, n_iterations: &mut u32) -> Vec3 {
     let mut twist = start;
     let (mut gradient, mut hessian) = problem.derivatives(&twist);
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..STAGE_ITERATIONS {
         let scale = problem.cones.force_scale(problem.h, problem.w, &twist);
         if gradient.amax() <= accuracy * scale {
             break;
