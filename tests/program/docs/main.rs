@@ -3,6 +3,7 @@
 //! ```text
 //! commands.rs  the page of commands, from the program's help
 //! scenario.rs  the page of scenario keys, from the JSON schema
+//! numerics.rs  the page of numeric constants, from their table
 //! gallery.rs   the page of scenes, from their stored answers
 //! console.rs   outputs under `$ cohaul ...`, and commands that are only shown
 //! links.rs     links, anchors and pictures
@@ -25,6 +26,7 @@ mod limits;
 mod links;
 mod names;
 mod numbers;
+mod numerics;
 #[path = "../../common/root.rs"]
 mod root;
 mod scenario;
@@ -108,6 +110,11 @@ fn the_page_of_commands_is_the_help() {
 fn the_page_of_scenario_keys_is_the_schema() {
     let schema = serde_json::from_str(&printed(&["scenario", "schema"])).expect("the schema is JSON");
     expect_page("docs/src/reference/scenario.md", &scenario::page(&schema));
+}
+
+#[test]
+fn the_page_of_numeric_constants_is_their_table() {
+    expect_page("docs/src/reference/numerics.md", &numerics::page(&read("src/backend/numerics.rs")));
 }
 
 #[test]
