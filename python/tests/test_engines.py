@@ -79,7 +79,7 @@ def test_numpy_may_be_answered():
         (lambda self, *a, **k: None, TypeError, "not iterable"),
         (lambda self, *a, **k: {"pose": [0, 0, 6.28]}, ValueError, "heading that is not wrapped"),
         (lambda self, *a, **k: {"pose": "far"}, ValueError, "invalid type: string"),
-        (lambda self, *a, **k: {"pose": self.wrench([0.0], [0.0], "x")}, TypeError, ""),
+        (lambda self, *a, **k: {"pose": self.wrench([0.0], [0.0], 0.5)}, ValueError, "a sequence of length 3"),
     ],
 )
 def test_what_is_wrong_with_an_engine_is_raised(advance, error, says):
