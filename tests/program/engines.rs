@@ -48,6 +48,8 @@ fn what_is_wrong_with_an_engine_is_named() {
         ("true".to_owned(), "start: must answer each request, found its end (exit status: 0)"),
         ("echo no".to_owned(), "start: expected ident at line 1 column 2, found no"),
         (names.to_owned(), "name: must have 1 to 40 bytes, found 0"),
+        (r#"printf '%s\n' '{"name":"\u001b[31mred"}'"#.to_owned(), r#"name: must have no control characters, found "\u{1b}[31mred""#),
+        (r#"echo '{"name":"inertial"}'"#.to_owned(), "name: must differ from the other runs, found inertial"),
         (stops.to_owned(), "short, at 0 s: attach: must answer each request, found its end (exit status: 7)"),
         (hangs.to_owned(), "slow, at 0 s: attach: must answer within 0.5 s, found nothing"),
         (answering(r#"{"pose":[NaN,0,0]}"#), "still, at 0 s: advance: expected value"),

@@ -47,9 +47,8 @@ impl Driven {
         let springs = Arc::new(Springs::new(system));
         let request = Request::start(system, start, options);
         let started: Started = read(channel.exchange(&line(&request), &springs), "start")?;
-        if started.name.trim().is_empty() || started.name.len() > LONGEST_NAME {
-            return Err(format!("name: must have 1 to {LONGEST_NAME} bytes, found {}", started.name.len()));
-        }
+        check_words("name", &started.name)?;
+        started.version.iter().try_for_each(|version| check_words("version", version))?;
         let energy = EnergyLedger { initial: system.load.kinetic_energy(&start.twist), ..EnergyLedger::default() };
         let driven = Self {
             channel,
@@ -148,13 +147,23 @@ impl Driven {
     }
 }
 
-/// Longest name of an engine (bytes).
+/// Longest name or version of an engine (bytes).
 const LONGEST_NAME: usize = 40;
 /// Largest number that a state may have, in any unit: far beyond, squares have no finite number.
 const FARTHEST: f64 = 1e60;
 /// How near to a whole turn the change of the heading in one advance is taken for a wrap (rad). At
 /// a control period of milliseconds no load turns as fast.
 const SEAM: f64 = 0.5;
+
+/// Errs with a name or version that tables cannot show, or that names another run.
+fn check_words(key: &str, words: &str) -> Result<(), String> {
+    match words.len() {
+        n if words.trim().is_empty() || n > LONGEST_NAME => Err(format!("{key}: must have 1 to {LONGEST_NAME} bytes, found {n}")),
+        _ if words.chars().any(char::is_control) => Err(format!("{key}: must have no control characters, found {words:?}")),
+        _ if matches!(words, "quasi-static" | "inertial") => Err(format!("{key}: must differ from the other runs, found {words}")),
+        _ => Ok(()),
+    }
+}
 
 fn line(request: &Request) -> String {
     serde_json::to_string(request).expect("requests are plain data")
