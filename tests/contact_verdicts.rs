@@ -5,7 +5,7 @@ use std::path::Path;
 
 use cohaul::analysis::compare::{Cause, Pathwise, Settings, ThreeWay, Verdict};
 use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Tolerance, TransitionKind};
-use cohaul::math::Vec2;
+use cohaul::math::{Pose, Vec2};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, Trace, backend_of, controller_of};
 use rayon::prelude::*;
@@ -245,4 +245,24 @@ fn an_impact_alone_gives_no_contact_force() {
     scenario.control_period = 0.05;
     let found = compared(&scenario, 0.005);
     assert!(found.verdicts.contacts.measures.is_empty(), "{:?}", found.verdicts.contacts.measures);
+}
+
+/// A pusher accelerates along waypoints every millisecond. Their times are ticks but for rounding,
+/// as in a file with six digits, and no step fits between the two.
+#[test]
+fn waypoints_on_ticks_but_for_rounding_are_on_ticks() {
+    let mut scenario = read("contact/pusher");
+    (scenario.duration, scenario.control_period) = (0.5, 1e-3);
+    let path = &mut scenario.system.world.obstacles[0].path;
+    let start = path.waypoints[0].1;
+    let at = |time: f64| (time, Pose { position: start.position + Vec2::new(time * time, 0.0), ..start });
+    path.waypoints = (0..=500).map(|i| at(f64::from(i) * 1e-3 * (1.0 + f64::EPSILON))).collect();
+    let inertial = trace(&scenario, &BackendOptions::new(BackendKind::Inertial, 1e-3), 1);
+    let energy = inertial.rows.last().unwrap().energy;
+    // Sums of 500 roundings; with steps between, 1e-5 of the energy is missing.
+    assert!(energy.defect().abs() <= 1e-12 * energy.largest_entry(), "{energy:?}");
+    // Nothing stores energy, from which a load without inertia could jump.
+    let options = BackendOptions::within(BackendKind::QuasiStatic, Tolerance::at_edge(1e-5, &scenario.system.load));
+    let jumps = trace(&scenario, &options, 1).transitions;
+    assert!(!jumps.iter().any(|it| matches!(it.kind, TransitionKind::Jump { .. })), "{jumps:?}");
 }
