@@ -6,6 +6,7 @@ use std::path::Path;
 use cohaul::analysis::compare::{Cause, Pathwise, Settings, ThreeWay, Verdict};
 use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Tolerance, TransitionKind};
 use cohaul::math::{Pose, Vec2};
+use cohaul::model::{Obstacle, ObstaclePath, Outline};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, Trace, backend_of, controller_of};
 use rayon::prelude::*;
@@ -265,4 +266,47 @@ fn waypoints_on_ticks_but_for_rounding_are_on_ticks() {
     let options = BackendOptions::within(BackendKind::QuasiStatic, Tolerance::at_edge(1e-5, &scenario.system.load));
     let jumps = trace(&scenario, &options, 1).transitions;
     assert!(!jumps.iter().any(|it| matches!(it.kind, TransitionKind::Jump { .. })), "{jumps:?}");
+}
+
+/// A finger pushes a disc without springs to a wall, and stops where the two touch. Finger and wall
+/// may then press against each other through it, and yet both have the same forces in all runs:
+/// there is no difference that this could leave open.
+#[test]
+fn equal_forces_between_two_obstacles_are_no_open_question() {
+    let mut scenario = pressed_against_a_wall("[[0, 0, 0]]", 0.0, 1.0);
+    scenario.system.springs.clear();
+    scenario.drive = Drive::Tips(Vec::new());
+    scenario.control_period = 1e-3;
+    let finger = along(&scenario.system.world.obstacles[0], Vec2::new(-0.12, 0.0), 0.1);
+    scenario.system.world.obstacles.insert(0, finger);
+    let found = compared(&scenario, 1e-3);
+    assert!(found.solutions.iter().any(|solution| solution.steps.is_indeterminate), "all steps show that the forces are unique");
+    let peak = found.verdicts.contacts.measures.iter().find(|measure| measure.label() == "peak contact force of obstacle 0").unwrap();
+    let expected = scenario.system.total_slip_limit();
+    // Rounding of a balance of forces.
+    assert!([peak.quasi_static, peak.inertial].iter().all(|force| (force / expected - 1.0).abs() < 1e-9), "{peak:?} {expected}");
+    assert_eq!(found.verdicts.contacts.verdict, Verdict::Agree);
+}
+
+/// A disc of 20 mm in the place of an obstacle, which moves by `shift` (m) along x in 0.5 s.
+fn along(obstacle: &Obstacle, start: Vec2, shift: f64) -> Obstacle {
+    let pose = |x: f64| Pose { position: start + Vec2::new(x, 0.0), heading: 0.0 };
+    Obstacle {
+        outline: Outline::disc(0.02),
+        path: ObstaclePath { waypoints: vec![(0.0, pose(0.0)), (0.5, pose(shift))] },
+        ..obstacle.clone()
+    }
+}
+
+/// A load on ice that bounces without loss dissipates nothing but roundings, of which no verdict
+/// is made.
+#[test]
+fn roundings_of_the_energy_are_no_loss() {
+    let mut scenario = pressed_against_a_wall("[[0, 0, 0], [0.5, 0.2, 0]]", 0.0, 1.0);
+    scenario.system.ground.friction_coefficient = 0.0;
+    scenario.system.world.obstacles[0].restitution = 1.0;
+    let found = ThreeWay::new(&scenario, &Settings::default()).prescribed(|_| true).unwrap();
+    let energy = &found.verdicts.energy;
+    assert!(energy.engine_error < 1e-12 && energy.tolerance > 1e-12, "{energy:?}");
+    assert_eq!(energy.verdict, Verdict::Agree);
 }

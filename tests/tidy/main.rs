@@ -37,9 +37,9 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 6] = [
     ("src", 39_720),
-    ("crates/engines/src", 950),
+    ("crates/engines/src", 960),
     ("crates/report/src", 8_750),
-    ("crates/studies/src", 19_320),
+    ("crates/studies/src", 19_330),
     ("crates/paper/src", 9_650),
     ("crates/app/src", 6_720),
 ];

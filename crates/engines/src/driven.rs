@@ -72,6 +72,13 @@ impl Driven {
         read(self.channel.exchange(&line(request), &self.springs), call)
     }
 
+    /// Attaches or releases a spring: what its tip was pulled with is over.
+    fn change(&mut self, spring: usize, request: &Request, call: &str) {
+        self.pulls.iter_mut().for_each(|pulls| pulls[spring] = None);
+        let answer = self.ask::<serde_json::Value>(request, call);
+        self.told(answer);
+    }
+
     /// Keeps what was wrong in an answer, if anything was.
     fn told<T>(&self, answer: Result<T, String>) -> Option<T> {
         answer.map_err(|what| self.complaint.make(format!("{}, at {} s: {what}", self.name, self.elapsed))).ok()
@@ -87,7 +94,7 @@ impl Driven {
             n_steps: n_steps_in(duration, self.longest_step),
         };
         let found: Advanced = self.ask(&request, "advance")?;
-        self.check(&found)?;
+        self.check(&found, duration)?;
         let [x, y, heading] = found.pose;
         let (before, pose) = (self.motion.pose, Pose::new(x, y, heading));
         let twist = found.twist.map(|[u, v, w]| Twist { linear: Vec2::new(u, v), angular: w });
@@ -112,8 +119,8 @@ impl Driven {
     }
 
     /// # Errors
-    /// What an answer has that no state of a load has, in words.
-    fn check(&self, found: &Advanced) -> Result<(), String> {
+    /// What an answer has that no state of a load has after a `duration` (s), in words.
+    fn check(&self, found: &Advanced, duration: f64) -> Result<(), String> {
         let pulls = found.pulls_n.iter().flatten().flatten().flatten();
         let contacts = found.contacts.iter().flatten();
         let of_contacts = contacts.clone().flat_map(|contact| contact.point_m.iter().chain(&contact.force_n));
@@ -121,9 +128,10 @@ impl Driven {
         if let Some(number) = numbers.copied().find(|number| number.abs() > FARTHEST) {
             return Err(format!("advance: must answer numbers up to {FARTHEST:e}, found {number:e}"));
         }
-        let [.., heading] = found.pose;
+        let ([.., heading], rate) = (found.pose, self.motion.twist.angular);
         let turn = heading - self.motion.pose.heading;
-        if (turn.abs() - 2.0 * PI).abs() < SEAM {
+        let beyond = turn - 0.5 * duration * (rate + found.twist.map_or(rate, |[.., rate]| rate));
+        if (beyond.abs() - 2.0 * PI).abs() < SEAM {
             return Err(format!("pose: must have a heading that is not wrapped, found a turn by {turn:.3} rad in one advance"));
         }
         let n_springs = self.system.springs.len();
@@ -151,8 +159,8 @@ impl Driven {
 const LONGEST_NAME: usize = 40;
 /// Largest number that a state may have, in any unit: far beyond, squares have no finite number.
 const FARTHEST: f64 = 1e60;
-/// How near to a whole turn the change of the heading in one advance is taken for a wrap (rad). At
-/// a control period of milliseconds no load turns as fast.
+/// How near to a whole turn a heading that changes by more than the turn rates before and after an
+/// advance say is taken for a wrapped one (rad). Rates that change by less within it say more.
 const SEAM: f64 = 0.5;
 
 /// Errs with a name or version that tables cannot show, or that names another run.
@@ -185,14 +193,12 @@ fn shortened(text: &str) -> String {
 impl Backend for Driven {
     fn attach(&mut self, spring: usize, tip: Vec2) {
         self.springs.attach(spring, tip, &self.motion.pose);
-        let answer = self.ask::<serde_json::Value>(&Request::Attach { spring, tip_m: [tip.x, tip.y] }, "attach");
-        self.told(answer);
+        self.change(spring, &Request::Attach { spring, tip_m: [tip.x, tip.y] }, "attach");
     }
 
     fn release(&mut self, spring: usize) {
         self.springs.release(spring);
-        let answer = self.ask::<serde_json::Value>(&Request::Release { spring }, "release");
-        self.told(answer);
+        self.change(spring, &Request::Release { spring }, "release");
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {

@@ -132,6 +132,32 @@ fn what_an_engine_leaves_out_is_not_judged() {
     }
 }
 
+/// A load that turns by almost a whole turn in a control period is not taken for one whose heading
+/// is wrapped; that is one which its turn rate does not explain.
+#[test]
+fn a_load_that_spins_fast_is_no_wrapped_heading() {
+    let mut scenario = read("analytic/spin");
+    (scenario.duration, scenario.control_period) = (0.64, 0.16);
+    scenario.system.ground.friction_coefficient *= 1e-3;
+    scenario.start.twist.angular = 40.0;
+    assert!(compared(&scenario, ALL, 0.0).verdicts.heading.engine_error < 0.01);
+}
+
+/// Pulls that an engine states are those of the springs that are attached.
+#[test]
+fn a_released_spring_pulls_nothing() {
+    let scenario = read("analytic/ramp-and-hold");
+    let open = || Ok(Box::new(Exact { scenario: scenario.clone(), backend: None, states: ALL, lie: 0.0 }) as Box<dyn Channel>);
+    let open: &Open = &open;
+    let options = BackendOptions::new(BackendKind::Rapier, 1e-3);
+    let mut load = Engine::meet(open, &scenario, &options).unwrap().backend(&scenario, &options);
+    load.attach(0, Vec2::zeros());
+    load.advance(&[Vec2::new(0.01, 0.0)], 0.01);
+    assert!(load.pull(0).norm() > 0.0);
+    load.release(0);
+    assert_eq!(load.pull(0), Vec2::zeros());
+}
+
 /// The inertial run plus 1 mm: all of the error is the model's, and none the step's.
 #[test]
 fn a_lie_of_a_millimetre_is_a_model_error_of_a_millimetre() {

@@ -35,8 +35,9 @@ pub(super) struct Course {
     /// Magnitude of the vector sum of all pulls (N).
     pub net_pull: Signal,
     /// Magnitude of the force of each obstacle on the load, by obstacle and tick (N); `None` at the
-    /// ticks that are left out. A load that rests has its pulls borne by obstacle and ground, in
-    /// any share that the slip limit admits, and a force with that range.
+    /// ticks that are left out, and behind a jump between two obstacles. The pulls on a load that
+    /// rests are borne by obstacle and ground, in any share that the slip limit admits: the force
+    /// has that range.
     pub contact_forces: Vec<Signal>,
     /// Speed of the load's centre of mass, |v| (m/s).
     pub speed: Speed,
@@ -87,7 +88,8 @@ impl Course {
             let is_static = forces.clone().next().is_some() && (rests[at] || has_jumped(row));
             let force = forces.map(|contact| contact.force).sum::<Vec2>().norm();
             let bounds = || static_force(force, net_pull(row), system.total_slip_limit());
-            (!is_blank[at] && computes.contacts).then(|| if is_static { bounds() } else { force.into() })
+            let is_left_out = is_blank[at] || !computes.contacts || has_jumped(row) && row.touches_two();
+            (!is_left_out).then(|| if is_static { bounds() } else { force.into() })
         };
         let obstacles = 0..system.world.obstacles.len();
         Self {

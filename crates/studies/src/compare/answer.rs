@@ -376,6 +376,17 @@ mod tests {
     }
 
     #[test]
+    fn a_load_at_a_wall_on_ice_is_pulled_and_does_not_move() {
+        let text = r#"{ "name": "ice", "duration_s": 0.1, "control_period_s": 0.005, "load": { "mass_kg": 1, "radius_m": 0.1 },
+            "ground": { "friction_coefficient": 0, "supports": { "tripod": { "radius_m": 0.07 } } },
+            "springs": [{ "root_m": [0, 0], "bearing_rad": 0, "rest_length_m": 0, "radial_stiffness_n_per_m": 100, "torsional_stiffness_nm_per_rad": 0 }],
+            "obstacles": [{ "name": "wall", "outline": { "polyline": { "points_m": [[0.1, -0.5], [0.1, 0.5]] } } }],
+            "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0, 0, 0], [0.1, 0.1, 0]] }] } }"#;
+        let sentence = sentence_of_paths(&compared(text));
+        assert!(sentence.starts_with("Nothing moved: no answer; there is no friction. The engine"), "{sentence}");
+    }
+
+    #[test]
     fn a_load_at_rest_gives_no_answer_but_how_near_it_is_to_slip() {
         let found = compared(include_str!("../../../../scenarios/stress/hold-below-limit.json"));
         assert_eq!(of_paths(&found), Answer::Open);
