@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import os
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence, Union
 
 from . import _native
 from ._options import as_json, number, progress_of, rapier_options, text, texts, whole
@@ -13,6 +13,9 @@ from ._scenario import Source, as_scenario
 
 BACKENDS = ("quasi-static", "inertial", "rapier")
 """Names of the backends of the package, the simplest first."""
+
+EngineLike = Union[str, Callable[[], Any]]
+"""A class of an engine, a command that starts one, or ``rapier``."""
 
 
 class Replay:
@@ -36,6 +39,11 @@ class Comparison(Results):
     def tiers(self) -> dict[str, Any]:
         """Results by tier: ``prescribed``, ``replayed`` and ``closed_loop``."""
         return self._results["tiers"]
+
+    @property
+    def other_engines(self) -> list[dict[str, Any]]:
+        """Paths of the engines after the first, as those in ``tiers``."""
+        return self._results.get("other_engines", [])
 
     @property
     def verdicts(self) -> dict[str, Any]:
@@ -80,10 +88,29 @@ class Comparison(Results):
         names = ["inertia_effect", "engine_error", "reference_error", "tolerance"]
         head = "".join(f"<th>{name.replace('_', ' ')}</th>" for name in ["quantity", *names, "verdict"])
         tables = []
-        for tier, found in self.tiers.items():
+        tiers = [*self.tiers.items(), *((found["tier"], found) for found in self.other_engines)]
+        for tier, found in tiers:
             rows = "".join(_row(quantity, verdict, names) for quantity, verdict in found["verdicts"].items())
-            tables.append(f"<table><caption>{tier.replace('_', ' ')}</caption><tr>{head}</tr>{rows}</table>")
+            tables.append(f"<table><caption>{html.escape(_titled(tier, found))}</caption><tr>{head}</tr>{rows}</table>")
         return f"<p>{html.escape(self.answer)}</p>{''.join(tables)}"
+
+
+def _titled(tier: str, found: dict[str, Any]) -> str:
+    return f"{tier.replace('_', ' ')}: {found['engine']['name']}"
+
+
+def _engines(engine: EngineLike | Sequence[EngineLike] | None) -> list[EngineLike]:
+    if engine is None:
+        return []
+    engines: list[EngineLike] = [engine] if isinstance(engine, str) or callable(engine) else []
+    if not engines:
+        if not isinstance(engine, Sequence):
+            raise TypeError(f"engine: must be a class, a command or a list of them, found {type(engine).__name__}")
+        engines = list(engine)
+    for each in engines:
+        if not (isinstance(each, str) or callable(each)):
+            raise TypeError(f"engine: must be a class or a function that makes an engine, or a command, found {type(each).__name__}")
+    return engines
 
 
 def _row(quantity: str, verdict: dict[str, Any], names: Sequence[str]) -> str:
@@ -103,6 +130,7 @@ def compare(
     seeds: int = 8,
     seed: int | None = None,
     step_s: float | None = None,
+    halvings: int | None = None,
     tolerance_m: float | None = None,
     tolerance_share: float | None = None,
     tolerance_heading_rad: float | None = None,
@@ -113,7 +141,7 @@ def compare(
     rate_independent: bool = False,
     no_skip: str | Sequence[str] | None = None,
     rapier: Mapping[str, str] | None = None,
-    engine: Callable[[], Any] | None = None,
+    engine: EngineLike | Sequence[EngineLike] | None = None,
     threads: int | None = None,
     progress: bool | Callable[[float], Any] | None = None,
 ) -> Comparison:
@@ -123,9 +151,13 @@ def compare(
         the default is all that the scenario has
     :param seeds: number of paired seeds of the closed loop (1)
     :param seed: first seed, in place of the scenario's
-    :param engine: class of an engine of your own in the place of rapier, as
-        :mod:`cohaul.engines` describes it; it has no closed loop
+    :param engine: class of an engine in the place of rapier, as :mod:`cohaul.engines` describes it,
+        or the command of a program; ``'rapier'`` is rapier itself. Several are compared side by
+        side, the first of them in ``tiers`` and the others in ``other_engines``. Engines have no
+        closed loop
     :param step_s: longest step of the engine and of the closed loop (s)
+    :param halvings: number of halvings of the engine's step, whose last three runs tell time step
+        from model; 2 by default
     :param tolerance_m: tolerance of error control in the reference runs (m); the default is as
         small as the verdict needs
     :param tolerance_share: largest edge displacement that counts as agreement, over the path
@@ -142,6 +174,7 @@ def compare(
     """
     settings = {
         "step_s": number("step_s", step_s),
+        "halvings": whole("halvings", halvings, 2, 10),
         "reference_tolerance_m": number("tolerance_m", tolerance_m),
         "recorded_from": text("recorded_from", recorded_from),
         "rate_independent": bool(rate_independent),
@@ -153,11 +186,10 @@ def compare(
         "no_skip": texts("no_skip", no_skip),
         "rapier": rapier_options(rapier),
     }
-    if engine is not None and not callable(engine):
-        raise TypeError(f"engine: must be a class or a function that makes an engine, found {type(engine).__name__}")
-    if engine is not None and rapier is not None:
-        raise ValueError("rapier: must be left out with an engine of your own, found both")
-    return _compared(scenario, settings, tiers, seeds, seed, None, engine, threads, progress)
+    engines = _engines(engine)
+    if engines and "rapier" not in engines and rapier is not None:
+        raise ValueError("rapier: must be left out without rapier among the engines, found both")
+    return _compared(scenario, settings, tiers, seeds, seed, None, engines, threads, progress)
 
 
 def compare_controller(
@@ -195,7 +227,7 @@ def compare_controller(
     if not callable(make_controller):
         raise TypeError(f"make_controller: must be a function, found {type(make_controller).__name__}")
     settings = {"step_s": number("step_s", step_s), "recorded_from": text("recorded_from", recorded_from)}
-    return _compared(scenario, settings, tiers, seeds, seed, make_controller, None, threads, progress)
+    return _compared(scenario, settings, tiers, seeds, seed, make_controller, [], threads, progress)
 
 
 def _compared(
@@ -205,7 +237,7 @@ def _compared(
     seeds: int,
     seed: int | None,
     controller: Callable[[int], Callable[[Any], Any]] | None,
-    engine: Callable[[], Any] | None,
+    engines: list[EngineLike],
     threads: int | None,
     progress: bool | Callable[[float], Any] | None,
 ) -> Comparison:
@@ -216,6 +248,6 @@ def _compared(
     names = texts("tiers", tiers)
     show, end = progress_of(progress, "compare")
     try:
-        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, engine, n_threads, show))
+        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, engines, n_threads, show))
     finally:
         end()

@@ -130,7 +130,7 @@ def compare(
     tiers: list[str],
     n_seeds: int | None,
     controller: Callable[[int], Callable[[View], Any]] | None,
-    engine: Callable[[], Any] | None,
+    engines: list[Any],
     threads: int | None,
     progress: Callable[[float], Any] | None,
 ) -> Comparison: ...

@@ -3,16 +3,16 @@
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
-use cohaul::analysis::compare::{EngineName, Pathwise, Settings, ThreeWay, Tier};
+use cohaul::analysis::compare::{Pathwise, Settings, ThreeWay, Tier};
 use cohaul::backend::{BackendKind, BackendOptions};
 use cohaul::formats::stamped;
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::{Controller, Trace};
+use cohaul::simulation::Controller;
 use cohaul_engines::Engine;
 use cohaul_engines::engine::Open;
 use cohaul_report::chart::{self, Labelled};
 use cohaul_report::json;
-use cohaul_report::manifest::Manifest;
+use cohaul_report::manifest::{Libraries, Manifest};
 use cohaul_studies::compare::comparison::{self, Tiers};
 use cohaul_studies::compare::files::write_comparison;
 use cohaul_studies::compare::page::{comparison_page, scene_of};
@@ -20,7 +20,7 @@ use pyo3::exceptions::{PyArithmeticError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::controller::Makers;
-use crate::engine::Written;
+use crate::engine::Asked;
 use crate::options::{AskedComparison, named, read, refused};
 use crate::scene::Scene;
 use crate::trace::TraceData;
@@ -38,7 +38,7 @@ pub struct Comparison {
 /// Compares the backends on a scenario, in the tiers asked for or in all that it has. `controller`
 /// is a function that makes a controller for a seed.
 #[pyfunction]
-#[pyo3(signature = (scene, settings, tiers, n_seeds, controller, engine, threads, progress))]
+#[pyo3(signature = (scene, settings, tiers, n_seeds, controller, engines, threads, progress))]
 #[expect(clippy::too_many_arguments, reason = "Python names them")]
 pub fn compare(
     py: Python,
@@ -47,42 +47,43 @@ pub fn compare(
     tiers: Vec<String>,
     n_seeds: usize,
     controller: Option<Py<PyAny>>,
-    engine: Option<Py<PyAny>>,
+    engines: Vec<Py<PyAny>>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Comparison> {
     let scenario = Arc::clone(&scene.scenario);
     let settings = read::<AskedComparison>(settings)?.settings(&scenario)?;
-    let tiers = asked(&tiers, &scenario, [controller.is_some(), engine.is_some()])?;
+    let engines: Vec<Asked> = engines.into_iter().map(|engine| Asked::new(py, engine)).collect::<PyResult<_>>()?;
+    let are_foreign = engines.iter().any(|engine| !matches!(engine, Asked::Rapier));
+    let tiers = asked(&tiers, &scenario, [controller.is_some(), are_foreign])?;
     if n_seeds == 0 || n_seeds > 1_000_000 || scenario.seed.checked_add(n_seeds as u64 - 1).is_none() {
         return Err(refused("seeds", "must be from 1 to 1000000, and the last seed below 2^64", n_seeds));
     }
     let makers = controller.map(Makers::new);
     let threads = pool(threads)?;
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let written = engine.map(|make| Written::new(py, make)).transpose()?;
-    let open = || written.as_ref().expect("there is one").open();
-    let open: &Open = &open;
-    let engine = match &written {
-        None => None,
-        Some(written) => {
-            let options = settings.at_fixed_step(&scenario, BackendKind::Rapier);
-            let met = py.allow_threads(|| Engine::meet(open, &scenario, &options));
-            written.check()?;
-            Some(met.map_err(|what| PyValueError::new_err(format!("engine: {what}")))?)
-        }
+    let opens: Vec<_> = engines.iter().map(|asked| || asked.open()).collect();
+    let options = settings.at_fixed_step(&scenario, BackendKind::Rapier);
+    let meet = |(asked, open): (&Asked, _)| match asked {
+        Asked::Rapier => Ok(Engine::rapier(Libraries::USED.rapier2d)),
+        _ => py.allow_threads(|| Engine::meet(open, &scenario, &options)),
     };
-    let own = Own { makers: makers.as_ref(), engine: engine.as_ref() };
+    let met: Result<Vec<Engine>, String> = engines.iter().zip(opens.iter().map(|open| open as &Open)).map(meet).collect();
+    engines.iter().try_for_each(Asked::check)?;
+    let wrong = |what: String| PyValueError::new_err(format!("engine: {what}"));
+    let met = if engines.is_empty() { vec![Engine::rapier(Libraries::USED.rapier2d)] } else { met.map_err(wrong)? };
+    Engine::check_names(&met).map_err(wrong)?;
+    let own = Own { makers: makers.as_ref(), engines: &met };
     let found = computed(py, progress, |watch| threads.install(|| all(&scenario, &settings, &tiers, n_seeds, own, watch)));
-    written.as_ref().map_or(Ok(()), |written| written.check())?;
-    if let Some(what) = engine.as_ref().and_then(Engine::complaint) {
-        return Err(PyValueError::new_err(format!("engine: {what}")));
+    engines.iter().try_for_each(Asked::check)?;
+    if let Some(what) = met.iter().find_map(Engine::complaint) {
+        return Err(wrong(what));
     }
     let found = found?;
     makers.as_ref().map_or(Ok(()), Makers::check)?;
     // Only an interrupt stops a comparison, and that is an exception already.
-    let found = found.expect("the comparison ended");
-    let found = comparison::Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
+    let (found, others) = found.expect("the comparison ended");
+    let found = comparison::Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64()).with_other_engines(others);
     json::check(&found).map_err(|error| PyArithmeticError::new_err(error.to_string()))?;
     Ok(Comparison { scenario, settings, found, started })
 }
@@ -102,34 +103,49 @@ fn asked(names: &[String], scenario: &Scenario, [has_controller, has_engine]: [b
     }
 }
 
-/// What is written in Python.
+/// What may be written in Python.
 #[derive(Clone, Copy)]
 struct Own<'a> {
     makers: Option<&'a Makers>,
-    engine: Option<&'a Engine<'a>>,
+    engines: &'a [Engine<'a>],
 }
 
-/// The tiers one after the other; `None` when they were stopped.
-fn all(scenario: &Scenario, settings: &Settings, tiers: &[Tier], n_seeds: usize, own: Own, watch: &Watch) -> Option<Tiers> {
-    let Own { makers, engine } = own;
+/// The tiers one after the other, and the paths of all engines but the first; `None` when they were
+/// stopped.
+fn all(
+    scenario: &Scenario,
+    settings: &Settings,
+    tiers: &[Tier],
+    n_seeds: usize,
+    own: Own,
+    watch: &Watch,
+) -> Option<(Tiers, Vec<Pathwise>)> {
+    let Own { makers, engines } = own;
     let make = |scenario: &Scenario| -> Box<dyn Controller> { makers.expect("there is one").controller(scenario) };
-    let make_engine = |scenario: &Scenario, options: &BackendOptions| engine.expect("there is one").backend(scenario, options);
     let runs = ThreeWay::new(scenario, settings);
     let runs = if makers.is_some() { runs.controller(&make) } else { runs };
-    let runs = engine.map_or(runs, |engine| runs.engine(&make_engine).named(engine.name()));
-    let are_well = || makers.is_none_or(Makers::are_well) && engine.is_none_or(Engine::is_well);
-    let mut found = Tiers::default();
+    let are_well = || makers.is_none_or(Makers::are_well) && engines.iter().all(Engine::is_well);
+    let (mut found, mut others, n_parts) = (Tiers::default(), Vec::new(), (tiers.len() * engines.len()) as f64);
     for (at, tier) in tiers.iter().enumerate() {
-        let watch = |share: f64| are_well() && watch.go_on((at as f64 + share) / tiers.len() as f64);
-        match tier {
-            Tier::Prescribed => found.prescribed = Some(runs.prescribed(watch)?),
-            Tier::Replayed => found.replayed = Some(runs.replayed(watch)?),
-            Tier::ClosedLoop => found.closed_loop = Some(runs.closed_loop(n_seeds, watch)?),
-            // It has no name by which it could be asked for.
-            Tier::Controlled => {}
+        let paths = |nth: usize, beside: Option<&Pathwise>| {
+            let engine = &engines[nth];
+            let make = |scenario: &Scenario, options: &BackendOptions| engine.backend(scenario, options);
+            let runs = runs.engine(&make).named(engine.name());
+            let runs = beside.map_or(runs, |first| runs.beside(first));
+            let watch = |share: f64| are_well() && watch.go_on(((at * engines.len() + nth) as f64 + share) / n_parts);
+            if *tier == Tier::Prescribed { runs.prescribed(watch) } else { runs.replayed(watch) }
+        };
+        if *tier == Tier::ClosedLoop {
+            found.closed_loop = Some(runs.closed_loop(n_seeds, |share| are_well() && watch.go_on((at as f64 + share) / n_parts))?);
+            continue;
         }
+        let first = paths(0, None)?;
+        for nth in 1..engines.len() {
+            others.push(paths(nth, Some(&first))?);
+        }
+        *(if *tier == Tier::Prescribed { &mut found.prescribed } else { &mut found.replayed }) = Some(first);
     }
-    Some(found)
+    Some((found, others))
 }
 
 impl Comparison {
@@ -138,25 +154,19 @@ impl Comparison {
         Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, settings, vec![command], *started)
     }
 
-    /// Names of the runs of a tier.
-    fn names(&self, tier: Tier) -> [&str; 3] {
-        self.found.tiers.engine(tier).map_or(["quasi-static", "inertial", "rapier"], EngineName::after_exact)
+    /// Runs of a tier: those of the exact backends, then those of the engines.
+    fn runs(&self, tier: &str) -> PyResult<(Tier, Vec<Labelled<'_>>)> {
+        let tier = named::<Tier>("tier", tier)?;
+        let runs = match self.found.tiers.pathwise().find(|found| found.tier == tier) {
+            Some(found) => Some(self.found.runs(found)),
+            None => {
+                let found = self.found.tiers.closed_loop.as_ref().filter(|found| found.tier == tier);
+                found.map(|found| Labelled::compared(found.engine.after_exact(), &found.traces))
+            }
+        };
+        let runs = runs.ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
+        Ok((tier, runs))
     }
-
-    /// Traces of a tier, in the order of the backends.
-    fn traces(&self, tier: Tier) -> Option<Vec<&Trace>> {
-        let tiers = &self.found.tiers;
-        match tier {
-            Tier::ClosedLoop => tiers.closed_loop.as_ref().map(|found| found.traces.iter().collect()),
-            Tier::Prescribed => traces_of(tiers.prescribed.as_ref()),
-            Tier::Replayed => traces_of(tiers.replayed.as_ref()),
-            Tier::Controlled => None,
-        }
-    }
-}
-
-fn traces_of(found: Option<&Pathwise>) -> Option<Vec<&Trace>> {
-    Some(found?.solutions.iter().map(|solution| &solution.trace).collect())
 }
 
 #[pymethods]
@@ -178,19 +188,17 @@ impl Comparison {
     }
 
     fn trace(&self, tier: &str, backend: &str) -> PyResult<TraceData> {
-        let tier = named::<Tier>("tier", tier)?;
-        let traces = self.traces(tier).ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
-        let at = self.names(tier).iter().position(|name| *name == backend);
-        let at = at.ok_or_else(|| refused("backend", "must be one that was compared", backend))?;
-        Ok(TraceData::new(Arc::new(traces[at].clone()), self.scenario.system.springs.len()))
+        let (_, runs) = self.runs(tier)?;
+        let run = runs.iter().find(|run| run.label == backend);
+        let run = run.ok_or_else(|| refused("backend", "must be one that was compared", backend))?;
+        Ok(TraceData::new(Arc::new(run.trace.clone()), self.scenario.system.springs.len()))
     }
 
     /// Paths, differences and pulls over time, as SVG.
     fn overview(&self, py: Python, tier: &str) -> PyResult<String> {
-        let tier = named::<Tier>("tier", tier)?;
-        let traces = self.traces(tier).ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
+        let (tier, runs) = self.runs(tier)?;
         let found = self.found.tiers.pathwise().find(|found| found.tier == tier);
         let scene = found.map_or_else(|| chart::Scene::of(&self.scenario), |found| scene_of(found, &self.scenario));
-        Ok(py.allow_threads(|| chart::overview(&Labelled::compared(self.names(tier), traces), &scene)))
+        Ok(py.allow_threads(|| chart::overview(&runs, &scene)))
     }
 }

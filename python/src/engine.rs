@@ -1,10 +1,54 @@
-//! An engine that is written in Python, in the place of rapier.
+//! Engines in the place of rapier: classes in Python, commands, or rapier beside them.
 
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use cohaul::math::{Pose, Twist, Vec2};
-use cohaul_engines::{Channel, Springs};
+use cohaul_engines::{Channel, Pipe, Springs};
 use pyo3::prelude::*;
+
+/// An engine as it is asked for.
+pub enum Asked {
+    Rapier,
+    /// Command of a shell.
+    Command(String),
+    Written(Arc<Written>),
+}
+
+/// Longest time that a command may take to answer.
+const TIMEOUT: Duration = Duration::from_secs(60);
+
+impl Asked {
+    /// Of `"rapier"`, of a command, or of a function that makes engines.
+    ///
+    /// # Errors
+    /// When the Python part is missing.
+    pub fn new(py: Python, asked: Py<PyAny>) -> PyResult<Self> {
+        match asked.extract::<String>(py) {
+            Ok(name) if name == "rapier" => Ok(Self::Rapier),
+            Ok(command) => Ok(Self::Command(command)),
+            Err(_) => Written::new(py, asked).map(Self::Written),
+        }
+    }
+
+    /// A channel to a new run.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn open(&self) -> Result<Box<dyn Channel>, String> {
+        match self {
+            Self::Rapier => unreachable!("rapier has no channel"),
+            Self::Command(command) => Ok(Box::new(Pipe::start(command, TIMEOUT)?)),
+            Self::Written(written) => written.open(),
+        }
+    }
+
+    /// # Errors
+    /// With what was raised.
+    pub fn check(&self) -> PyResult<()> {
+        if let Self::Written(written) = self { written.check() } else { Ok(()) }
+    }
+}
 
 /// A function that makes engines, and the first exception that one of them raised.
 pub struct Written {

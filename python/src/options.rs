@@ -44,6 +44,7 @@ struct AskedEngine {
 #[serde(deny_unknown_fields, default)]
 pub struct AskedComparison {
     step_s: Option<f64>,
+    halvings: Option<u32>,
     reference_tolerance_m: Option<f64>,
     recorded_from: Option<String>,
     rate_independent: bool,
@@ -182,6 +183,7 @@ impl AskedComparison {
         let usual = Settings::default();
         Ok(Settings {
             step_s: self.step_s,
+            halvings: self.halvings.unwrap_or(usual.halvings),
             reference_tolerance_m: self.reference_tolerance_m,
             rapier: self.rapier.options()?,
             recorded_from: named_if("recorded_from", self.recorded_from.as_ref())?.unwrap_or(usual.recorded_from),

@@ -216,8 +216,8 @@ impl ExpectedCost {
     }
 
     /// Cost of a comparison of paths: the references and the estimate twice, the runs that tell
-    /// parts of the inertia effect once, and rapier at its step, a half and a quarter of it. Ants
-    /// decide in one run, which the others replay.
+    /// parts of the inertia effect once, and rapier at its step and all halvings of it. Ants decide
+    /// in one run, which the others replay.
     pub fn of_comparison(scenario: &Scenario, settings: &Settings) -> Self {
         let replayed = Extent { n_ants: 0.0, ..Extent::of(scenario) };
         let reference = |kind| Self::of_extent(&replayed, scenario, &settings.under_error_control(scenario, kind));
@@ -227,7 +227,8 @@ impl ExpectedCost {
         // It is left out where the load hits nothing, which is not known beforehand.
         let may_rebound = scenario.system.world.obstacles.iter().any(|obstacle| obstacle.restitution > 0.0);
         let without_restitution = may_rebound.then_some(inertial);
-        let costs = [quasi_static.times(2.0), inertial.times(2.0), engine.times(7.0), Self::of_estimate(scenario).times(2.0)];
+        let engine = engine.times(f64::from(settings.halvings + 1).exp2() - 1.0);
+        let costs = [quasi_static.times(2.0), inertial.times(2.0), engine, Self::of_estimate(scenario).times(2.0)];
         let costs = costs.into_iter().chain(rate_independent).chain(without_restitution);
         let recorded = matches!(scenario.drive, Drive::Ants(_))
             .then(|| Self::of_run(scenario, &settings.at_fixed_step(scenario, settings.recorded_from)));

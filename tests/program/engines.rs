@@ -39,6 +39,39 @@ fn a_program_gets_the_verdict_under_its_own_name() {
 }
 
 #[test]
+fn engines_side_by_side_share_the_exact_paths() {
+    let room = tempfile::tempdir().unwrap();
+    let out = room.path().join("out");
+    let still = answering(r#"{"pose":[0,0,0]}"#);
+    let more = ["--engine", "rapier", "--halvings", "3", "--json", "--out", out.to_str().unwrap()];
+    let (output, _) = compare(&still, &more);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [first, other] = [&found["tiers"]["prescribed"], &found["other_engines"][0]];
+    assert_eq!([&first["engine"]["name"], &other["engine"]["name"]], ["still", "rapier"]);
+    for key in ["inertia_effect", "numbers", "tolerance_m"] {
+        assert_eq!(first[key], other[key], "{key}");
+    }
+    // A load that never moves has no time-step error; rapier's is of first order.
+    assert_eq!(first["time_step_order"], serde_json::Value::Null);
+    assert!((other["time_step_order"].as_f64().unwrap() - 1.0).abs() < 0.05, "{}", other["time_step_order"]);
+    let answer = found["answer"].as_str().unwrap();
+    let at = |words: &str| answer.find(words).unwrap_or_else(|| panic!("{words}: {answer}"));
+    assert!(at("The engine error of still") < at("The engine error of rapier"));
+    let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(report.contains("engines side by side"));
+    let overview = std::fs::read_to_string(out.join("overview-prescribed.svg")).unwrap();
+    assert!(overview.contains("still") && overview.contains("rapier"));
+    let (output, _) = compare(&still, &["--engine", "rapier"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("Engine error") && text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    // Two of one name cannot be told apart.
+    let (output, _) = compare(&still, &["--engine", &still]);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && error.contains("must be engines of different names, found still twice"), "{error}");
+}
+
+#[test]
 fn what_is_wrong_with_an_engine_is_named() {
     let names = r#"while read -r line; do echo '{"name":""}'; done"#;
     let stops = r#"read -r line; echo '{"name":"short"}'; read -r line; exit 7"#;

@@ -766,6 +766,7 @@ fn assert_pathwise(tier: &Value) {
         "/largest_pull_over_slip_limit",
         "/first_divergence/inertia_effect",
         "/first_divergence/engine_error",
+        "/time_step_order",
         "/trigger",
     ];
     let nulls = nulls(tier, "");

@@ -36,12 +36,12 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 6] = [
-    ("src", 39_720),
-    ("crates/engines/src", 960),
+    ("src", 39_940),
+    ("crates/engines/src", 990),
     ("crates/report/src", 8_750),
-    ("crates/studies/src", 19_330),
+    ("crates/studies/src", 19_460),
     ("crates/paper/src", 9_650),
-    ("crates/app/src", 6_720),
+    ("crates/app/src", 6_760),
 ];
 
 /// Beginnings of the names of crates, and the places in which these may be used.

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use cohaul::analysis::compare::EngineName;
+use cohaul::analysis::compare::{EngineName, ThreeWay};
 use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, Status, StepReport};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
+use cohaul::simulation::backend_of;
 
 use crate::channel::{Channel, Complaint};
 use crate::driven::Driven;
@@ -13,10 +14,11 @@ use crate::driven::Driven;
 /// A way to open a channel to a new run of an engine.
 pub type Open<'a> = dyn Fn() -> Result<Box<dyn Channel>, String> + Sync + 'a;
 
-/// An engine that has named itself.
+/// An engine that has named itself, or rapier.
 pub struct Engine<'a> {
     name: EngineName,
-    open: &'a Open<'a>,
+    /// `None` for rapier.
+    open: Option<&'a Open<'a>>,
     complaint: Arc<Complaint>,
 }
 
@@ -28,7 +30,23 @@ impl<'a> Engine<'a> {
     pub fn meet(open: &'a Open<'a>, scenario: &Scenario, options: &BackendOptions) -> Result<Self, String> {
         let complaint = Arc::new(Complaint::default());
         let (_, started) = Driven::start(open()?, scenario, options, &complaint)?;
-        Ok(Self { name: EngineName { name: started.name.into(), version: started.version }, open, complaint })
+        Ok(Self { name: EngineName { name: started.name.into(), version: started.version }, open: Some(open), complaint })
+    }
+
+    /// The engine that the library has itself, in this version.
+    pub fn rapier(version: &str) -> Self {
+        let name = EngineName { version: Some(version.to_owned()), ..ThreeWay::RAPIER };
+        Self { name, open: None, complaint: Arc::default() }
+    }
+
+    /// # Errors
+    /// When two engines have one name, and tables could not tell them apart.
+    pub fn check_names(engines: &[Self]) -> Result<(), String> {
+        let names: Vec<&str> = engines.iter().map(|engine| &*engine.name.name).collect();
+        match names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
+            Some((_, name)) => Err(format!("must be engines of different names, found {name} twice")),
+            None => Ok(()),
+        }
     }
 
     pub fn name(&self) -> &EngineName {
@@ -47,7 +65,8 @@ impl<'a> Engine<'a> {
 
     /// A new run of the engine. One that does not start fails at its first step.
     pub fn backend(&self, scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
-        match (self.open)().and_then(|channel| Driven::start(channel, scenario, options, &self.complaint)) {
+        let Some(open) = self.open else { return backend_of(scenario, options) };
+        match open().and_then(|channel| Driven::start(channel, scenario, options, &self.complaint)) {
             Ok((driven, _)) => Box::new(driven),
             Err(what) => {
                 self.complaint.make(format!("{}: {what}", self.name.name));

@@ -32,7 +32,8 @@ pub struct Manifest {
     pub scenario: Value,
 }
 
-/// Versions of the libraries that can change a number; kept true by a test against `Cargo.lock`.
+/// Versions of the libraries that can change a number, as the program was built with them. One that
+/// is not the published one, as a fork of rapier, has its source too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Libraries {
     pub rapier2d: &'static str,
@@ -53,7 +54,12 @@ pub struct Machine {
 }
 
 impl Libraries {
-    pub const USED: Libraries = Libraries { rapier2d: "0.36.1", parry2d: "0.31.1", nalgebra: "0.35.0", clarabel: "0.11.1" };
+    pub const USED: Libraries = Libraries {
+        rapier2d: env!("COHAUL_RAPIER2D"),
+        parry2d: env!("COHAUL_PARRY2D"),
+        nalgebra: env!("COHAUL_NALGEBRA"),
+        clarabel: env!("COHAUL_CLARABEL"),
+    };
 }
 
 impl Machine {

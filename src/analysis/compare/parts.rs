@@ -6,14 +6,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::solution::SAFETY;
+use super::limit::Convergence;
 use super::verdict::{Cause, causes_among};
 
 /// What there is of the runs that tell parts of the differences.
 #[derive(Clone, Default)]
 pub(super) struct Others<T> {
-    /// Engine at a half and at a quarter of the step.
-    pub finer: Option<[T; 2]>,
+    /// Engine at smaller steps. The last three, that at its own step before them, show the limit.
+    pub finer: Vec<T>,
+    pub convergence: Convergence,
     /// Inertial, with impacts that do not rebound.
     pub without_restitution: Option<T>,
     /// Quasi-static without dashpots.
@@ -23,7 +24,8 @@ pub(super) struct Others<T> {
 impl<T> Others<T> {
     pub fn map<'a, U>(&'a self, of: impl Fn(&'a T) -> U) -> Others<U> {
         Others {
-            finer: self.finer.as_ref().map(|finer| finer.each_ref().map(&of)),
+            finer: self.finer.iter().map(&of).collect(),
+            convergence: self.convergence,
             without_restitution: self.without_restitution.as_ref().map(&of),
             rate_independent: self.rate_independent.as_ref().map(&of),
         }
@@ -52,7 +54,7 @@ impl Parts {
     /// Parts of a number with these values on the quasi-static, inertial and engine run.
     pub(super) fn of_numbers([quasi_static, inertial, engine]: [f64; 3], others: &Others<f64>) -> Self {
         let without_restitution = others.without_restitution.unwrap_or(inertial);
-        let (limit, limit_error) = others.finer.map_or((engine, 0.0), |finer| limit_of(engine, finer));
+        let (limit, limit_error) = others.limit(engine);
         Self {
             inertia: (without_restitution - quasi_static).abs(),
             impact: (inertial - without_restitution).abs(),
@@ -81,11 +83,13 @@ impl Parts {
     }
 }
 
-/// Limit of small steps and its error, from the values at a step, at a half and at a quarter of it,
-/// as for a path.
-fn limit_of(coarse: f64, [middle, fine]: [f64; 2]) -> (f64, f64) {
-    let (before, limit) = (2.0 * middle - coarse, 2.0 * fine - middle);
-    (limit, SAFETY * (limit - before).abs().max((fine - middle).abs()))
+impl Others<f64> {
+    /// Limit of small steps of a number and its error, from its value on the engine at its own
+    /// step.
+    fn limit(&self, engine: f64) -> (f64, f64) {
+        let all: Vec<f64> = [engine].into_iter().chain(self.finer.iter().copied()).collect();
+        all.last_chunk().map_or((engine, 0.0), |last| self.convergence.of_numbers(*last))
+    }
 }
 
 #[cfg(test)]
@@ -95,11 +99,11 @@ mod tests {
     /// The time-step error is 0.4, the model error 0.3, and nothing is uncertain.
     #[test]
     fn parts_of_an_engine_error_of_first_order_are_its_own() {
-        let others = Others { finer: Some([1.5, 1.4]), ..Others::default() };
+        let others = Others { finer: vec![1.5, 1.4], ..Others::default() };
         let parts = Parts::of_numbers([1.0, 1.0, 1.7], &others);
         // Rounding of sums.
         assert!((parts.time_step - 0.4).abs() < 1e-15 && (parts.engine_model - 0.3).abs() < 1e-15, "{parts:?}");
-        assert!((parts.limit_error - SAFETY * 0.1).abs() < 1e-15, "{parts:?}");
+        assert!((parts.limit_error - 1.25 * 0.1).abs() < 1e-15, "{parts:?}");
         let causes = |tolerance: f64| parts.causes([false, true], 0.0, tolerance).collect::<Vec<_>>();
         assert_eq!(causes(0.15), [Cause::TimeStep, Cause::EngineModel]);
         assert_eq!(causes(0.25), [Cause::TimeStep]);

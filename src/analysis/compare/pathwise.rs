@@ -11,9 +11,10 @@ use super::engine::EngineName;
 use super::jump_mode::JumpMode;
 use super::numbers::{Numbers, Predicted};
 use super::quantity::{FirstDivergence, Verdicts};
+use super::question::Question;
 use super::same_stop::same_stop;
 use super::settings::{LEAST_MOTION, Settings, Tier};
-use super::solution::{Question, Solution};
+use super::solution::Solution;
 use super::suggestion::{Differences, Driver, SuggestedChange, Tried};
 use super::verdict::{Cause, InertiaAnswer, Verdict};
 use super::verdicts::{Extras, Runs};
@@ -37,6 +38,9 @@ pub struct Pathwise {
     pub damping_effect: Option<DampingEffect>,
     /// Part of the engine error that vanishes with the step: engine minus its own limit.
     pub time_step_error: Difference,
+    /// Measured power of the step with which that part falls; `null` where it is less than a
+    /// thousandth of the tolerance.
+    pub time_step_order: Option<f64>,
     /// Part of the engine error that does not vanish: the limit of the engine minus inertial.
     pub model_error: Difference,
     pub reference_error: ReferenceError,
@@ -72,7 +76,12 @@ pub struct Pathwise {
     /// Paths of the quasi-static and inertial backends, and of the engine.
     #[serde(rename = "backends", serialize_with = "by_backend")]
     pub solutions: [Solution; 3],
+    #[serde(skip)]
+    pub(super) extras: Extras,
 }
+
+/// Time-step error over the tolerance of the path below which it has no order (1).
+const LEAST_TIME_STEP: f64 = 1e-3;
 
 /// Numerical errors of the paths. The flattened fields bound the error of the quasi-static and
 /// inertial paths, and with it what a difference can show.
@@ -110,6 +119,13 @@ const SHARPER: f64 = 30.0;
 /// Factor between the tolerances of two runs whose distance shows what an error of the path makes
 /// of the commands of a controller that follows the load (1).
 const COARSER: f64 = 4.0;
+
+impl ReferenceError {
+    fn of(solutions: &[Solution; 3], radius: f64) -> Self {
+        let [quasi_static, inertial, engine] = solutions.each_ref().map(|solution| Difference::error_of(&solution.limit, radius));
+        Self { all: quasi_static.max(&inertial), quasi_static, inertial, engine }
+    }
+}
 
 impl EdgeDisplacement {
     fn new(inertia_effect_m: f64, by_trigger: ByTrigger, engine_error_m: f64, reference_error_m: f64) -> Self {
@@ -174,7 +190,10 @@ impl Pathwise {
         let by_inertia = self.causes.contains(&Cause::Inertia) && moves_without_inertia;
         let mut changes = if by_inertia { differences.against_inertia(&largest.by_trigger, &self.predicted, &mode) } else { Vec::new() };
         if self.causes.iter().any(|cause| cause.is_of_engine()) {
-            changes.push(differences.against_engine(self.solutions[2].step_s.unwrap_or_default()));
+            changes.push(match self.causes.contains(&Cause::Engine) {
+                true => SuggestedChange::MoreHalvings { halvings: settings.halvings + 2 },
+                false => differences.against_engine(self.solutions[2].step_s.unwrap_or_default(), self.time_step_order),
+            });
         }
         changes
     }
@@ -193,12 +212,15 @@ fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
     let options = question.settings.at_fixed_step(question.scenario, BackendKind::Rapier);
     let engine = question.solution(&options, question.engine.1, |share| watch(share / 3.0))?;
+    if let Some(([quasi_static, inertial, _], extras)) = question.exact {
+        return Some(judge(question, [quasi_static.clone(), inertial.clone(), engine], extras.clone()));
+    }
     let found = compare_models(question, Some(engine), &watch)?;
     let extras = extras(question, &found, &watch)?;
     if extras.without_restitution.is_none() && extras.rate_independent.is_none() {
         return Some(found);
     }
-    Some(judge(question, found.solutions, &extras))
+    Some(judge(question, found.solutions, extras))
 }
 
 /// The runs that tell parts of the inertia effect, each to the error that the verdict needs. A
@@ -251,7 +273,7 @@ fn compare_models(question: &Question, engine: Option<Solution>, watch: &(impl F
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
         let (quasi_static, inertial) = (quasi_static?, inertial?);
         let engine = engine.unwrap_or_else(|| inertial.clone());
-        Some(judge(question, [quasi_static, inertial, engine], &Extras::default()))
+        Some(judge(question, [quasi_static, inertial, engine], Extras::default()))
     };
     let found = judged(settings, engine)?;
     if settings.reference_tolerance_m.is_some() {
@@ -276,31 +298,29 @@ fn compare_models(question: &Question, engine: Option<Solution>, watch: &(impl F
     Some(if sharper.references_converged() { sharper } else { found })
 }
 
-fn judge(question: &Question, mut solutions: [Solution; 3], extras: &Extras) -> Pathwise {
+fn judge(question: &Question, mut solutions: [Solution; 3], extras: Extras) -> Pathwise {
     let Question { tier, scenario, settings, .. } = *question;
     let n_instants = solutions.iter().map(|solution| solution.points.len()).min().unwrap_or_default();
     solutions.iter_mut().for_each(|solution| solution.shorten_to(n_instants));
     let ([quasi_static, inertial, engine_run], radius) = (&solutions, scenario.system.load.radius);
-    let errors = [quasi_static, inertial, engine_run].map(|solution| Difference::error_of(&solution.limit, radius));
-    let reference_error =
-        ReferenceError { all: errors[0].max(&errors[1]), quasi_static: errors[0], inertial: errors[1], engine: errors[2] };
+    let reference_error = ReferenceError::of(&solutions, radius);
     let (jumps, no_jumps) = (Jumps::of(&quasi_static.trace, scenario.control_period), Jumps::default());
     let inertia_effect = Difference::outside_jumps(&inertial.points, &quasi_static.points, radius, &jumps);
-    let engine_error = Difference::between(&engine_run.points, &inertial.points, radius);
+    let of_engine = |path| Difference::between(&engine_run.points, path, radius);
+    let (engine_error, time_step_error) = (of_engine(&inertial.points), of_engine(&engine_run.limit));
     let path_length_m = quasi_static.path_length(radius).max(inertial.reach(radius));
     let tolerance_m = settings.tolerance_path(path_length_m, radius);
     let attributed = Attributed::new(&scenario.system, [inertial, quasi_static], &jumps, settings.rate_independent);
     let pair = |paths, jumps, attributed| PathPair::new(paths, scenario, tolerance_m, jumps, attributed);
     let by_inertia = pair([inertial, quasi_static], &jumps, Some(&attributed));
     let by_engine = pair([engine_run, inertial], &no_jumps, None);
-    let [inertia, engine, reference] =
-        [&inertia_effect, &engine_error, &reference_error.all].map(|difference| difference.edge_displacement_max_m);
+    let [inertia, engine, reference] = [&inertia_effect, &engine_error, &reference_error.all].map(|it| it.edge_displacement_max_m);
     let edge_displacement = EdgeDisplacement::new(inertia, attributed.by_trigger, engine, reference);
     let runs = Runs {
         scenario,
         settings,
         solutions: &solutions,
-        extras,
+        extras: &extras,
         jumps: &jumps,
         pairs: [&by_inertia, &by_engine],
         poses: [&inertia_effect, &engine_error, &reference_error.all],
@@ -313,7 +333,8 @@ fn judge(question: &Question, mut solutions: [Solution; 3], extras: &Extras) -> 
         inertia_effect,
         engine_error,
         damping_effect: extras.rate_independent.as_ref().map(|without| DampingEffect::between(scenario, quasi_static, without)),
-        time_step_error: Difference::between(&engine_run.points, &engine_run.limit, radius),
+        time_step_error,
+        time_step_order: engine_run.convergence.order.filter(|_| time_step_error.edge_displacement_max_m > LEAST_TIME_STEP * tolerance_m),
         model_error: Difference::between(&engine_run.limit, &inertial.limit, radius),
         reference_error,
         predicted: numbers.predicted(scenario, [quasi_static, inertial].map(|run| &run.trace), tolerance_m, settings.rate_independent),
@@ -331,6 +352,7 @@ fn judge(question: &Question, mut solutions: [Solution; 3], extras: &Extras) -> 
         first_divergence: verdicts.path.first_divergence,
         verdicts,
         solutions,
+        extras,
     };
     found.withdraw();
     found.suggested_changes = found.suggestions(scenario, settings, 1.0);

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::doubt::{self, Doubt, LedgerBound};
-use super::solution::Question;
+use super::question::Question;
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::Summary;
 use crate::scenario::{AntDrive, Scenario};

@@ -25,6 +25,8 @@ pub struct Settings {
     /// Longest step of runs at a fixed step (s): rapier's, and all of the closed loop. `None` is
     /// the default of each backend.
     pub step_s: Option<f64>,
+    /// Number of halvings of the engine's step, two at least: the last three steps show its limit.
+    pub halvings: u32,
     /// Tolerance of error control in the quasi-static and inertial runs (m). `None` is as small as
     /// the verdict needs.
     pub reference_tolerance_m: Option<f64>,
@@ -57,6 +59,9 @@ pub struct Settings {
 /// (1). Rounding of poses is far below it.
 pub const LEAST_MOTION: f64 = 1e-6;
 
+/// Halvings of a step that show a limit of small steps (1).
+pub const LEAST_HALVINGS: u32 = 2;
+
 /// Makes a controller for a scenario; each run gets one of its own.
 pub type MakeController<'a> = dyn Fn(&Scenario) -> Box<dyn Controller> + Sync + 'a;
 
@@ -80,6 +85,7 @@ impl Default for Settings {
         let (recorded_from, rapier, skips) = (BackendKind::QuasiStatic, RapierOptions::default(), Skips::ALL);
         Self {
             step_s: None,
+            halvings: LEAST_HALVINGS,
             reference_tolerance_m: None,
             rapier,
             recorded_from,

@@ -1,12 +1,8 @@
 //! Path of one backend with its numerical error.
 //!
 //! Quasi-static and inertial runs estimate their error themselves (error control). An engine does
-//! not. With p(h) its path at the step h, `2 p(h/2) - p(h)` is second order while nothing happens
-//! between nodes; the same at h/4 is taken as the limit. Grasps and releases fall on nodes. Slip
-//! onsets, stops and pinnings do not, and spoil the expansion in the step: the limit may then be
-//! as wrong as the finest path. The error is therefore the larger one of two distances, between the
-//! two extrapolations and between the two finest paths, times Roache's factor of safety for three
-//! grids, 1.25 (Annu. Rev. Fluid Mech. 29, 123, 1997). It never falls again.
+//! not: it runs at the step that was asked for and at halves of it, and the last three of these
+//! runs show its limit of small steps. The error of the limit never falls again along the path.
 //!
 //! The engine's path at the step that was asked for is kept too. Its distance from the limit is
 //! the time-step error; the distance of the limit from the inertial path is the model error.
@@ -16,9 +12,9 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::engine::EngineName;
-use super::settings::{MakeController, Settings, Tier};
-use crate::backend::{BackendKind, BackendOptions, Computes, PoseError, StepReport};
+use super::limit::Convergence;
+use super::settings::LEAST_HALVINGS;
+use crate::backend::{BackendKind, BackendOptions, Computes, PoseError, StepReport, n_steps_in};
 use crate::math::Pose;
 use crate::scenario::Scenario;
 use crate::simulation::{Account, Controller, DoubtTimes, Keep, MakeBackend, Outcome, Row, Simulation, Trace};
@@ -40,9 +36,13 @@ pub struct Solution {
     /// Run from which forces, events and figures come; an engine's at the step asked for.
     #[serde(skip)]
     pub trace: Trace,
-    /// Rows of an engine at a half and at a quarter of the step; `None` for other backends.
+    /// Rows of an engine at smaller steps, of which the last three runs show the limit, this one
+    /// among them if it needs to be; empty for other backends.
     #[serde(skip)]
-    pub finer: Option<[Vec<Row>; 2]>,
+    pub finer: Vec<Vec<Row>>,
+    /// How an engine converges with its step.
+    #[serde(skip)]
+    pub(super) convergence: Convergence,
     /// Step of that run (s); `None` under error control.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_s: Option<f64>,
@@ -67,40 +67,17 @@ pub struct Point {
     pub error: PoseError,
 }
 
-/// Factor of safety of the error of a limit of small steps (1).
-pub(super) const SAFETY: f64 = 1.25;
-
-/// What a comparison asks of every backend.
-#[derive(Clone, Copy)]
-pub(super) struct Question<'a> {
-    pub tier: Tier,
-    pub scenario: &'a Scenario,
-    pub settings: &'a Settings,
-    /// Makes rapier, or what replaces it, with its name.
-    pub engine: (&'a EngineName, &'a MakeBackend<'a>),
-    /// Makes the quasi-static and the inertial backend.
-    pub references: &'a MakeBackend<'a>,
-    pub controller: &'a MakeController<'a>,
-}
-
-impl Question<'_> {
-    /// Path on the backends from `make`: see [`Solution::find`].
-    pub fn solution(&self, options: &BackendOptions, make: &MakeBackend, watch: impl Fn(f64) -> bool + Sync) -> Option<Solution> {
-        let n_parts = self.settings.parts_of_period(self.tier, self.scenario);
-        Solution::find(self.scenario, options, n_parts, make, || (self.controller)(self.scenario), watch)
-    }
-}
-
 impl Solution {
     /// Path of `scenario` on the backends from `make`, under the controllers from `controller`.
     ///
-    /// Runs under error control if `options` ask for it, else at the given step and at a half and
-    /// a quarter of it. There is a point at the end of each of `n_parts` equal parts of a control
-    /// period. `watch` gets the share done (1) and answers whether to go on; `None` if it said no.
+    /// Runs under error control if `options` ask for it, else at the given step and at as many
+    /// halvings of it, two at least. There is a point at the end of each of `n_parts` equal parts
+    /// of a control period. `watch` gets the share done (1) and answers whether to go on; `None` if
+    /// it said no.
     pub fn find(
         scenario: &Scenario,
         options: &BackendOptions,
-        n_parts: u64,
+        (n_parts, halvings): (u64, u32),
         make: &MakeBackend,
         controller: impl Fn() -> Box<dyn Controller> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
@@ -112,7 +89,7 @@ impl Solution {
         };
         match options.tolerance {
             Some(_) => Self::under_error_control(scenario, options, start, watch),
-            None => Self::extrapolated(scenario, options, start, watch),
+            None => Self::extrapolated(scenario, options, halvings.max(LEAST_HALVINGS), start, watch),
         }
     }
 
@@ -136,7 +113,8 @@ impl Solution {
             points: limit.clone(),
             limit,
             trace,
-            finer: None,
+            finer: Vec::new(),
+            convergence: Convergence::default(),
             step_s: None,
             steps: outcome.steps,
             account: outcome.account,
@@ -148,15 +126,19 @@ impl Solution {
     fn extrapolated<'a>(
         scenario: &Scenario,
         options: &BackendOptions,
+        halvings: u32,
         start: impl Fn(&BackendOptions) -> Simulation<'a> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
-        let n_levels = 3;
+        let n_levels = halvings + 1;
         let cost_of_all = f64::from((1 << n_levels) - 1);
         let done: Vec<AtomicU64> = (0..n_levels).map(|_| AtomicU64::new(0)).collect();
         let stop = Stop::current();
+        // A control period has a whole number of steps, of which halves have twice as many.
+        let n_steps = n_steps_in(scenario.control_period, options.step_s);
         let level = |level: u32| {
-            let options = BackendOptions { step_s: options.step_s / f64::from(1 << level), ..*options };
+            let halved = scenario.control_period / (n_steps << level) as f64;
+            let options = BackendOptions { step_s: if level == 0 { options.step_s } else { halved }, ..*options };
             let mut run = start(&options);
             let share = f64::from(1 << level) / cost_of_all;
             run.run(|time| {
@@ -169,24 +151,24 @@ impl Solution {
         let mut levels: Vec<_> =
             (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(|at| stop.within(|| level(at))).collect::<Option<Vec<_>>>()?;
         levels.reverse();
-        let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
         let is_engine = !options.kind.is_exact();
-        // Controllers that follow the load may end one run before another.
-        let n_rows = rows.iter().map(|rows| rows.len()).min().unwrap_or_default();
-        let mut limit: Vec<Point> = (0..n_rows).map(|i| Point::extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
-        for i in 1..limit.len() {
-            limit[i].error = limit[i].error.max(&limit[i - 1].error);
-        }
-        let points = if is_engine { rows[0].iter().map(Point::of).collect() } else { limit.clone() };
         let mut steps = StepReport::default();
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
         let failed_at = levels.iter().filter_map(|(_, (_, outcome))| outcome.failed_at).reduce(f64::min);
-        let ((step_s, computes), (trace, Outcome { account, .. })) = levels.remove(if is_engine { 0 } else { 2 });
-        let mut rows_of = |at: usize| std::mem::take(&mut levels[at].1.0.rows);
-        let finer = is_engine.then(|| [rows_of(0), rows_of(1)]);
+        let last_three = &mut levels[n_levels as usize - 3..];
+        let (limit, convergence) = limit_of(last_three.iter().map(|(_, (trace, _))| trace.rows.as_slice()), scenario.system.load.radius);
+        let mut finer = Vec::new();
+        if is_engine {
+            // The first run keeps its own.
+            let finest = last_three.iter_mut().skip(usize::from(halvings == LEAST_HALVINGS));
+            finer.extend(finest.map(|(_, (trace, _))| std::mem::take(&mut trace.rows)));
+        }
+        let ((step_s, computes), (trace, Outcome { account, .. })) = levels.remove(if is_engine { 0 } else { halvings as usize });
+        let points = if is_engine { trace.rows[..limit.len()].iter().map(Point::of).collect() } else { limit.clone() };
         // Only the exact runs of a comparison are doubted, and they are under error control.
         let doubtful = DoubtTimes::default();
-        Some(Self { kind: options.kind, computes, limit, points, trace, finer, step_s: Some(step_s), steps, account, failed_at, doubtful })
+        let step_s = Some(step_s);
+        Some(Self { kind: options.kind, computes, limit, points, trace, finer, convergence, step_s, steps, account, failed_at, doubtful })
     }
 
     /// Adds the distance from a less exact path to the error of this one, from there on. Both have
@@ -208,7 +190,7 @@ impl Solution {
         self.points.truncate(n);
         self.limit.truncate(n);
         self.trace.rows.truncate(n);
-        self.finer.iter_mut().flatten().for_each(|rows| rows.truncate(n));
+        self.finer.iter_mut().for_each(|rows| rows.truncate(n));
     }
 
     /// Largest edge displacement from the start, for a load of this `radius` (m).
@@ -224,22 +206,29 @@ impl Solution {
     }
 }
 
+/// The limit of small steps from the rows at three steps, and how they converge to it, for a load
+/// of this `radius` (m).
+fn limit_of<'a>(rows: impl Iterator<Item = &'a [Row]>, radius: f64) -> (Vec<Point>, Convergence) {
+    let [a, b, c] = rows.collect::<Vec<_>>()[..] else { unreachable!("there are three") };
+    let apart = |a: &[Row], b: &[Row]| {
+        let distances = a.iter().zip(b).map(|(a, b)| a.motion.pose.edge_displacement(&b.motion.pose, radius));
+        distances.fold(0.0, |sum, distance| sum + distance * distance).sqrt()
+    };
+    let convergence = Convergence::of(apart(a, b), apart(b, c));
+    let mut largest = PoseError::default();
+    // Controllers that follow the load may end one run before another.
+    let point = |((a, b), c): ((&Row, &Row), &Row)| {
+        let (pose, error) = convergence.of_poses([a, b, c].map(|row| &row.motion.pose));
+        largest = error.max(&largest);
+        Point { time: a.time, pose, error: largest }
+    };
+    (a.iter().zip(b).zip(c).map(point).collect(), convergence)
+}
+
 impl Point {
     /// A row of a run as it is. The error of a fixed step is not known and counts as zero.
     fn of(row: &Row) -> Self {
         Self { time: row.time, pose: row.motion.pose, error: row.error.unwrap_or_default() }
-    }
-
-    /// The limit of small steps from rows at the steps h, h/2 and h/4.
-    fn extrapolated(coarse: &Row, middle: &Row, fine: &Row) -> Self {
-        let [a, b, c] = [coarse, middle, fine].map(|row| row.motion.pose);
-        let limit = |a: &Pose, b: &Pose| Pose { position: 2.0 * b.position - a.position, heading: 2.0 * b.heading - a.heading };
-        let (before, pose) = (limit(&a, &b), limit(&b, &c));
-        let error = PoseError {
-            position: SAFETY * (pose.position - before.position).norm().max((c.position - b.position).norm()),
-            heading: SAFETY * (pose.heading - before.heading).abs().max((c.heading - b.heading).abs()),
-        };
-        Self { time: coarse.time, pose, error }
     }
 
     /// Position (m) and heading (rad) differences to another point.

@@ -11,8 +11,11 @@ use crate::scenario::{Drive, Scenario, TipPath};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "change", rename_all = "snake_case")]
 pub enum SuggestedChange {
-    /// Smaller time step of the engine: its time-step error is of first order.
+    /// Smaller time step of the engine, by the order of its time-step error.
     SmallerStep { step_s: f64 },
+    /// More halvings of the engine's step in the comparison: time step and model cannot be told
+    /// apart.
+    MoreHalvings { halvings: u32 },
     /// Other friction or spring model in the engine: its model error does not depend on the step.
     OtherModel,
     /// Tip speeds times this factor: the load lags by speed over omega_n. Obstacles that move keep
@@ -70,7 +73,10 @@ impl SuggestedChange {
             SuggestedChange::SpringDamping { damping_ratio } => {
                 scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = spring.damping_ratio.max(damping_ratio));
             }
-            SuggestedChange::SmallerStep { .. } | SuggestedChange::OtherModel | SuggestedChange::TighterTolerance { .. } => {}
+            SuggestedChange::SmallerStep { .. }
+            | SuggestedChange::MoreHalvings { .. }
+            | SuggestedChange::OtherModel
+            | SuggestedChange::TighterTolerance { .. } => {}
         }
     }
 }
@@ -127,12 +133,14 @@ impl Driver {
 const AIM: f64 = 2.0 / 3.0;
 
 impl Differences {
-    /// Change against the engine error, at its step (s).
-    pub fn against_engine(&self, step_s: f64) -> SuggestedChange {
+    /// Change against the engine error, of which the time step's part falls with this order from
+    /// its step (s) on; it counts as first order if it is unknown.
+    pub fn against_engine(&self, step_s: f64, order: Option<f64>) -> SuggestedChange {
         if self.model >= self.tolerance {
             return SuggestedChange::OtherModel;
         }
-        SuggestedChange::SmallerStep { step_s: step_s * (AIM * (self.tolerance - self.model) / (self.engine - self.model)).min(1.0) }
+        let share = (AIM * (self.tolerance - self.model) / (self.engine - self.model)).min(1.0);
+        SuggestedChange::SmallerStep { step_s: step_s * share.powf(order.unwrap_or(1.0).recip()) }
     }
 
     /// Changes against those parts of the inertia effect that exceed the tolerance, the largest
@@ -191,14 +199,17 @@ mod tests {
 
     #[test]
     fn a_time_step_error_needs_a_smaller_step_and_a_model_error_another_model() {
-        let step = |model: f64| match (Differences { model, ..DIFFERENCES }).against_engine(1e-3) {
+        let of_order = |model: f64, order: Option<f64>| match (Differences { model, ..DIFFERENCES }).against_engine(1e-3, order) {
             SuggestedChange::SmallerStep { step_s } => step_s,
             other => panic!("{other:?}"),
         };
+        let step = |model: f64| of_order(model, None);
+        // An error that falls with the square needs half as many halvings.
+        assert!((of_order(0.0, Some(2.0)) - (AIM / 2.0).sqrt() * 1e-3).abs() < 1e-18);
         // Half of the error is the tolerance. With half of that as model error, the step must
         // remove two thirds of the rest.
         assert!((step(0.0) - AIM * 1e-3 / 2.0).abs() < 1e-18 && (step(5e-4) - AIM * 1e-3 / 3.0).abs() < 1e-18);
-        assert_eq!(Differences { model: 1e-3, ..DIFFERENCES }.against_engine(1e-3), SuggestedChange::OtherModel);
+        assert_eq!(Differences { model: 1e-3, ..DIFFERENCES }.against_engine(1e-3, None), SuggestedChange::OtherModel);
     }
 
     /// The post takes four times as long, and the load has no springs whose tips could be slower.

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use super::engine::EngineName;
 use super::ensemble::{self, ClosedLoop};
 use super::pathwise::{self, Pathwise};
+use super::question::Question;
 use super::seed_runs::{self, SeedRuns};
 use super::settings::{MakeController, Settings, Tier};
-use super::solution::Question;
 use super::trial;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, Trace, backend_of, controller_of};
@@ -48,22 +48,26 @@ pub struct ThreeWay<'a> {
     engine: (&'a EngineName, &'a MakeBackend<'a>),
     references: &'a MakeBackend<'a>,
     controller: &'a MakeController<'a>,
+    exact: Option<&'a Pathwise>,
 }
 
-static RAPIER: EngineName = EngineName { name: Cow::Borrowed("rapier"), version: None };
+static RAPIER: EngineName = ThreeWay::RAPIER;
 static UNNAMED: EngineName = EngineName { name: Cow::Borrowed("engine"), version: None };
 
 /// Share of the time of a replayed comparison that the recorded run takes (1).
 const RECORDING: f64 = 0.05;
 
 impl<'a> ThreeWay<'a> {
+    /// Name of the engine of this library.
+    pub const RAPIER: EngineName = EngineName { name: Cow::Borrowed("rapier"), version: None };
+
     pub fn new(scenario: &'a Scenario, settings: &'a Settings) -> Self {
-        Self { scenario, settings, engine: (&RAPIER, &backend_of), references: &backend_of, controller: &controller_of }
+        Self { scenario, settings, engine: (&RAPIER, &backend_of), references: &backend_of, controller: &controller_of, exact: None }
     }
 
     /// Replaces rapier by another engine, which is called "engine" until it is
-    /// [`named`](ThreeWay::named). Each comparison of paths makes three: at the step of the
-    /// settings, at a half and at a quarter of it.
+    /// [`named`](ThreeWay::named). Each comparison of paths makes one at the step of the settings,
+    /// and one at each halving of it.
     pub fn engine(self, make: &'a MakeBackend<'a>) -> Self {
         Self { engine: (&UNNAMED, make), ..self }
     }
@@ -71,6 +75,12 @@ impl<'a> ThreeWay<'a> {
     /// Names the engine, in all results.
     pub fn named(self, name: &'a EngineName) -> Self {
         Self { engine: (name, self.engine.1), ..self }
+    }
+
+    /// Takes the exact paths of another engine's comparison of the same scene, of the same tier, in
+    /// place of new ones. They are as exact as that needed, and suggested changes are not tried.
+    pub fn beside(self, other: &'a Pathwise) -> Self {
+        Self { exact: Some(other), ..self }
     }
 
     /// Replaces what makes the quasi-static and the inertial backend, for instance by what observes
@@ -85,8 +95,9 @@ impl<'a> ThreeWay<'a> {
     }
 
     fn question(&self, tier: Tier) -> Question<'a> {
-        let Self { scenario, settings, engine, references, controller } = *self;
-        Question { tier, scenario, settings, engine, references, controller }
+        let Self { scenario, settings, engine, references, controller, exact } = *self;
+        let exact = exact.map(|other| (&other.solutions, &other.extras));
+        Question { tier, scenario, settings, engine, references, controller, exact }
     }
 
     /// Compares paths under prescribed tip motions.

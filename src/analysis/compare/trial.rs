@@ -3,8 +3,8 @@
 use super::difference::{Difference, Jumps};
 use super::doubt;
 use super::pathwise::{self, Pathwise};
+use super::question::Question;
 use super::settings::{Settings, Tier};
-use super::solution::Question;
 use super::suggestion::{SuggestedChange, Tried};
 use super::verdict::Cause;
 use crate::backend::{BackendKind, Status};
@@ -21,7 +21,7 @@ pub const LONGEST: f64 = 50.0;
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
     let Question { scenario, settings, .. } = *question;
     let mut found = pathwise::compare(question, &watch)?;
-    if !settings.check_suggestions || !found.causes.contains(&Cause::Inertia) {
+    if question.exact.is_some() || !settings.check_suggestions || !found.causes.contains(&Cause::Inertia) {
         return Some(found);
     }
     let mut best = f64::INFINITY;

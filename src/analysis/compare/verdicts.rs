@@ -30,7 +30,7 @@ pub(super) struct Runs<'a> {
 }
 
 /// Runs that tell parts of the inertia effect; `None` where there is nothing to tell.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Extras {
     /// Inertial, with impacts that do not rebound.
     pub without_restitution: Option<Solution>,
@@ -156,7 +156,8 @@ impl Runs<'_> {
         let of = |solution: &Solution| course(solution, &solution.trace.rows);
         let engine = &solutions[2];
         let others = Others {
-            finer: engine.finer.as_ref().map(|finer| finer.each_ref().map(|rows| course(engine, rows))),
+            finer: engine.finer.iter().map(|rows| course(engine, rows)).collect(),
+            convergence: engine.convergence,
             without_restitution: self.extras.without_restitution.as_ref().map(of),
             rate_independent: self.extras.rate_independent.as_ref().map(of),
         };

@@ -19,8 +19,10 @@ use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::{self, Finished};
 use super::threshold::threshold;
 use super::vary::{VaryArgs, vary};
-use super::watch::{Watch, watched_by, watched_to_end};
-use cohaul::analysis::compare::{ClosedLoop, InertiaAnswer, MeasureVerdict, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict};
+use super::watch::{watched_by, watched_to_end};
+use cohaul::analysis::compare::{
+    ClosedLoop, InertiaAnswer, MeasureVerdict, Pathwise, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict,
+};
 use cohaul::analysis::{DEFAULT_SEEDS, ExpectedCost};
 use cohaul::backend::{BackendKind, BackendOptions, Skip, Skips};
 use cohaul::scenario::{Drive, Scenario};
@@ -62,6 +64,11 @@ pub struct CompareArgs {
     /// First time step of rapier, which is halved; closed loop: longest step of all (s)
     #[arg(long, value_name = "H", value_parser = seconds, hide_short_help = true)]
     step_s: Option<f64>,
+    /// Halvings of the engine's step, which tell time step from model [default: 2]
+    ///
+    /// The last three runs show the limit of small steps. The step that is judged stays the first.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10), hide_short_help = true)]
+    halvings: Option<u32>,
     /// Largest error of the quasi-static and inertial paths (m) [default: as the verdict needs]
     #[arg(long, value_name = "M", value_parser = positive, hide_short_help = true)]
     tolerance: Option<f64>,
@@ -165,24 +172,26 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let whole = asked.iter().map(cost_of).reduce(ExpectedCost::and).expect("there is a tier");
     warn_of_cost("compare", &scenario, &whole);
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let (mut found, mut seeds) = (Tiers::default(), None);
-    args.foreign.with(&scenario, &settings, |engine| {
-        let make = |scenario: &Scenario, options: &BackendOptions| engine.expect("there is one").backend(scenario, options);
-        let runs = ThreeWay::new(&scenario, &settings);
-        let runs = engine.map_or(runs, |engine| runs.engine(&make).named(engine.name()));
+    let (mut found, mut others, mut seeds) = (Tiers::default(), Vec::new(), None);
+    let runs = ThreeWay::new(&scenario, &settings);
+    args.foreign.with(&scenario, &settings, |engines| {
         for tier in asked {
+            let times = [cost_of(&tier), whole].map(|cost| cost.time_s);
             match tier {
                 Tier::ClosedLoop => {
                     let asked = json!({ "scenario_sha256": scenario.hash(), "n_seeds": n_seeds, "settings": settings });
                     let (compared, finished) = closed_loop(runs, n_seeds, &asked, args.output.out.as_deref())?;
                     (found.closed_loop, seeds) = (Some(compared), Some(finished));
                 }
-                tier => add_paths(&mut found, tier, (runs, engine), [cost_of(&tier), whole].map(|cost| cost.time_s))?,
+                Tier::Prescribed => found.prescribed = Some(paths(tier, runs, engines, &mut others, times)?),
+                Tier::Replayed => found.replayed = Some(paths(tier, runs, engines, &mut others, times)?),
+                Tier::Controlled => unreachable!("the command line has no own controllers"),
             }
         }
         Ok(())
     })?;
-    let mut comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
+    let comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
+    let mut comparison = comparison.with_other_engines(others);
     if let (Some(path), Some(trace)) = (&args.beside, recorded) {
         comparison.lay_beside(&name_of(path), trace).map_err(|rule| CliError::Usage(format!("--beside: {rule}")))?;
     }
@@ -196,16 +205,15 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
 
 /// Prints what was found, even where it could not be `written`.
 fn told(args: &CompareArgs, comparison: &Comparison, scenario: &Scenario, written: Result<(), CliError>) -> Result<ExitCode, CliError> {
-    let tiers = &comparison.tiers;
-    args.output.print(comparison, || text(comparison, console::detail()), tone(tiers))?;
+    args.output.print(comparison, || text(comparison, console::detail()), tone(comparison))?;
     tolerance_warning(comparison, scenario).into_iter().chain(account_warnings(comparison)).for_each(console::warn);
     written?;
     args.output.print_report()?;
-    let failed = verdicts_of(tiers).find(|of| args.fail_on.iter().any(|kind| kind.has(of)));
+    let failed = verdicts_of(comparison).find(|of| args.fail_on.iter().any(|kind| kind.has(of)));
     if let Some(Judged { name, text, .. }) = &failed {
         console::warn(format_args!("--fail-on: the verdict on {name} is \"{text}\""));
     }
-    Ok(if failed.is_some() { ExitCode::from(1) } else { args.strict.code(tiers.worst()) })
+    Ok(if failed.is_some() { ExitCode::from(1) } else { args.strict.code(comparison.worst()) })
 }
 
 /// Largest number of seeds of the closed loop (1). The results of all are in memory at the end.
@@ -260,6 +268,7 @@ fn settings(args: &CompareArgs) -> Settings {
     let usual = Settings::default();
     Settings {
         step_s: args.step_s,
+        halvings: args.halvings.unwrap_or(usual.halvings),
         reference_tolerance_m: args.tolerance,
         rapier: args.engine.options(),
         recorded_from: args.recorded_from.unwrap_or(usual.recorded_from),
@@ -303,7 +312,7 @@ struct Judged {
 }
 
 /// The verdict on each quantity of the paths, then on each measure of the closed loop.
-fn verdicts_of(tiers: &Tiers) -> impl Iterator<Item = Judged> {
+fn verdicts_of(comparison: &Comparison) -> impl Iterator<Item = Judged> {
     let of_quantity = |(name, of): (&str, &QuantityVerdict)| Judged {
         name: name.to_owned(),
         verdict: of.verdict,
@@ -316,42 +325,47 @@ fn verdicts_of(tiers: &Tiers) -> impl Iterator<Item = Judged> {
         text: of.verdict.text().to_owned(),
         is_open: of.answers.is_open() && of.verdict != Verdict::NotComputed,
     };
-    let quantities = tiers.pathwise().flat_map(|found| found.verdicts.named()).map(of_quantity);
-    let measures = tiers.closed_loop.iter().flat_map(|found| found.measures.iter().zip(&found.verdicts));
+    let quantities = comparison.all_paths().flat_map(|found| found.verdicts.named()).map(of_quantity);
+    let measures = comparison.tiers.closed_loop.iter().flat_map(|found| found.measures.iter().zip(&found.verdicts));
     quantities.chain(measures.map(|(measure, of)| (measure.name, of)).map(of_measure))
 }
 
-fn tone(tiers: &Tiers) -> Tone {
-    let paths = tiers.pathwise().flat_map(|found| found.verdicts.named().map(|(_, of)| of.verdict));
-    let verdicts: Vec<Verdict> = paths.chain(tiers.closed_loop.iter().map(|found| found.verdict)).collect();
+fn tone(comparison: &Comparison) -> Tone {
+    let paths = comparison.all_paths().flat_map(|found| found.verdicts.named().map(|(_, of)| of.verdict));
+    let verdicts: Vec<Verdict> = paths.chain(comparison.tiers.closed_loop.iter().map(|found| found.verdict)).collect();
     match () {
-        () if !tiers.are_computed() => Tone::Bad,
+        () if !comparison.are_computed() => Tone::Bad,
         () if verdicts.iter().all(|verdict| *verdict == Verdict::Agree) => Tone::Good,
         () => Tone::Caution,
     }
 }
 
-/// Runs a comparison of paths that is expected to take this time on one core, and the whole command
-/// this time (s).
-fn add_paths(
-    tiers: &mut Tiers,
+/// Compares the paths of the first engine, which is expected to take the first time of two on one
+/// core, and the whole command the second (s). The `others` follow beside the same exact paths.
+fn paths(
     tier: Tier,
-    (runs, engine): (ThreeWay, Option<&Engine>),
+    runs: ThreeWay,
+    engines: &[Engine],
+    others: &mut Vec<Pathwise>,
     [time_s, whole_s]: [f64; 2],
-) -> Result<(), CliError> {
-    let progress = Progress::of_share(&list(&[tier])).expecting(time_s).as_part_of(whole_s);
-    let goes_on = |watch: Watch, share: f64| watch(share) && engine.is_none_or(Engine::is_well);
-    match tier {
-        Tier::Prescribed => {
-            tiers.prescribed =
-                Some(watched_by(progress, |watch| runs.prescribed(|share| goes_on(watch, share))).ok_or(CliError::Interrupted)?)
-        }
-        Tier::Replayed => {
-            tiers.replayed = Some(watched_by(progress, |watch| runs.replayed(|share| goes_on(watch, share))).ok_or(CliError::Interrupted)?)
-        }
-        Tier::ClosedLoop | Tier::Controlled => unreachable!("the closed loop has seeds, and the command line no own controllers"),
+) -> Result<Pathwise, CliError> {
+    let compared = |engine: &Engine, beside: Option<&Pathwise>| {
+        let make = |scenario: &Scenario, options: &BackendOptions| engine.backend(scenario, options);
+        let runs = runs.engine(&make).named(engine.name());
+        let runs = beside.map_or(runs, |first| runs.beside(first));
+        let label = if engines.len() > 1 { format!("{}, {}", list(&[tier]), engine.name().name) } else { list(&[tier]) };
+        let progress = Progress::of_share(&label).expecting(time_s).as_part_of(whole_s);
+        let found = watched_by(progress, |watch| {
+            let goes_on = |share: f64| watch(share) && engine.is_well();
+            if tier == Tier::Prescribed { runs.prescribed(goes_on) } else { runs.replayed(goes_on) }
+        });
+        found.ok_or(CliError::Interrupted)
+    };
+    let first = compared(&engines[0], None)?;
+    for engine in &engines[1..] {
+        others.push(compared(engine, Some(&first))?);
     }
-    Ok(())
+    Ok(first)
 }
 
 /// Runs all seeds that an earlier call has not, and compares them.
@@ -392,7 +406,7 @@ fn tiers_of(scenario: &Scenario, args: &CompareArgs) -> Result<Vec<Tier>, CliErr
         Drive::Ants(_) if has_engine => (&[Tier::Replayed], "ants with --engine"),
         Drive::Ants(_) => (&[Tier::Replayed, Tier::ClosedLoop], "a scenario with this drive"),
     };
-    if has_engine {
+    if !args.foreign.has_rapier() {
         check_left_out(&args.engine.given(), "--engine")?;
     }
     if let Some(tier) = asked.iter().find(|tier| !possible.contains(tier)) {

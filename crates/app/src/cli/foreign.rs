@@ -1,4 +1,4 @@
-//! A program of the user as the engine under the verdict.
+//! Programs of the user as the engines under the verdict.
 
 use std::time::Duration;
 
@@ -9,17 +9,18 @@ use super::error::CliError;
 use cohaul::analysis::compare::Settings;
 use cohaul::backend::BackendKind;
 use cohaul::scenario::Scenario;
-use cohaul_engines::engine::Open;
 use cohaul_engines::{Channel, Engine, Pipe};
+use cohaul_report::manifest::Libraries;
 
 #[derive(Args)]
 pub struct ForeignArgs {
-    /// Program that is compared in the place of rapier, as a shell command
+    /// Program that is compared in the place of rapier, as a shell command; may be repeated
     ///
     /// It answers one line of JSON a request on its standard input and output; the book's page on
-    /// engines has the protocol. Paths are compared, but no closed loop.
+    /// engines has the protocol. Paths are compared, but no closed loop. The word rapier stands for
+    /// rapier itself. Several engines are compared side by side, with the same exact paths.
     #[arg(long, value_name = "CMD")]
-    engine: Option<String>,
+    engine: Vec<String>,
     /// Longest time that the program may take to answer (s) [default: 60]
     #[arg(long, value_name = "S", value_parser = seconds, requires = "engine", hide_short_help = true)]
     engine_timeout_s: Option<f64>,
@@ -28,31 +29,46 @@ pub struct ForeignArgs {
 const TIMEOUT_S: f64 = 60.0;
 /// Longest time that can be waited for (s): a year.
 const LONGEST_S: f64 = 3.2e7;
+/// Engine that needs no program.
+const RAPIER: &str = "rapier";
 
 impl ForeignArgs {
+    /// Whether there is an engine, or several, beside rapier.
     pub fn is_given(&self) -> bool {
-        self.engine.is_some()
+        self.engine.iter().any(|command| command != RAPIER)
     }
 
-    /// Runs `work` with the engine, if there is one, which has named itself on this scenario.
+    /// Whether rapier is compared.
+    pub fn has_rapier(&self) -> bool {
+        self.engine.is_empty() || self.engine.iter().any(|command| command == RAPIER)
+    }
+
+    /// Runs `work` with the engines, which have named themselves on this scenario: rapier if none
+    /// is given.
     ///
     /// # Errors
-    /// When something is wrong with the engine, before the work or in it.
+    /// When something is wrong with an engine, before the work or in it.
     pub fn with<T>(
         &self,
         scenario: &Scenario,
         settings: &Settings,
-        work: impl FnOnce(Option<&Engine>) -> Result<T, CliError>,
+        work: impl FnOnce(&[Engine]) -> Result<T, CliError>,
     ) -> Result<T, CliError> {
-        let Some(command) = &self.engine else { return work(None) };
         let timeout = Duration::from_secs_f64(self.engine_timeout_s.unwrap_or(TIMEOUT_S).min(LONGEST_S));
-        let open = || Ok(Box::new(Pipe::start(command, timeout)?) as Box<dyn Channel>);
-        let open: &Open = &open;
+        let wrong = |what: String| CliError::Engine(format!("--engine: {what}"));
         let options = settings.at_fixed_step(scenario, BackendKind::Rapier);
-        let engine = Engine::meet(open, scenario, &options).map_err(|what| CliError::Engine(format!("--engine: {what}")))?;
-        let done = work(Some(&engine));
-        match engine.complaint() {
-            Some(what) => Err(CliError::Engine(format!("--engine: {what}"))),
+        let commands = if self.engine.is_empty() { vec![RAPIER] } else { self.engine.iter().map(String::as_str).collect() };
+        let open = |command: &str| Ok(Box::new(Pipe::start(command, timeout)?) as Box<dyn Channel>);
+        let opens: Vec<_> = commands.iter().map(|command| move || open(command)).collect();
+        let meet = |(command, open): (&&str, _)| match *command {
+            RAPIER => Ok(Engine::rapier(Libraries::USED.rapier2d)),
+            _ => Engine::meet(open, scenario, &options).map_err(wrong),
+        };
+        let engines = commands.iter().zip(&opens).map(|(command, open)| meet((command, open))).collect::<Result<Vec<_>, _>>()?;
+        Engine::check_names(&engines).map_err(|what| CliError::Usage(format!("--engine: {what}")))?;
+        let done = work(&engines);
+        match engines.iter().find_map(Engine::complaint) {
+            Some(what) => Err(wrong(what)),
             None => done,
         }
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cohaul::analysis::TriggerKind;
-use cohaul::analysis::compare::{Difference, Numbers, Settings, Solution};
+use cohaul::analysis::compare::{Difference, LEAST_HALVINGS, Numbers, Settings, Solution};
 use cohaul::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE, with_estimate};
 use cohaul::backend::{BackendKind, BackendOptions, Status};
 use cohaul::scenario::{Drive, Scenario};
@@ -102,7 +102,7 @@ fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate,
 
 /// Solution of one backend under error control.
 fn solve(scenario: &Scenario, options: &BackendOptions, controller: impl Fn() -> Box<dyn Controller> + Sync) -> Solution {
-    Solution::find(scenario, options, 1, &backend_of, controller, |_| true).expect("nobody stops it")
+    Solution::find(scenario, options, (1, LEAST_HALVINGS), &backend_of, controller, |_| true).expect("nobody stops it")
 }
 
 pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {

@@ -194,6 +194,18 @@ fn list(words: &[String]) -> String {
     }
 }
 
+/// The engine error of a comparison beside another one of the same scene, as a sentence.
+pub fn sentence_of_engine(found: &Pathwise) -> String {
+    if found.verdict == Verdict::NotComputed {
+        return format!("The engine error of {} is not known, because {}.", found.engine.name, failed_runs(found));
+    }
+    match doubt::of_paths(found) {
+        Some(_) if beyond(found).is_empty() => format!("The engine error of {} is inconclusive.", found.engine.name),
+        Some(_) => format!("The engine error of {} exceeds the tolerance for {}.", found.engine.name, beyond(found)),
+        None => engine_sentence(found),
+    }
+}
+
 fn engine_sentence(found: &Pathwise) -> String {
     let (exceeds, of_engine) = (beyond(found), format!("The engine error of {}", found.engine.name));
     let open = found.verdicts.shown().filter(|(_, of)| engine_is_within(of) == Answer::Open && !is_not_unique(of));

@@ -8,6 +8,7 @@ use cohaul::analysis::compare::{ClosedLoop, EngineName, Pathwise, Settings, Tier
 use cohaul::formats::{self, Format, Versioned};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Health, Trace};
+use cohaul_report::chart::Labelled;
 use cohaul_report::page::Answer;
 
 /// Result of `cohaul compare`, as `--json` prints it.
@@ -19,6 +20,9 @@ pub struct Comparison {
     pub seed: u64,
     pub settings: Settings,
     pub tiers: Tiers,
+    /// Paths of the engines after the first, beside the same exact paths as in the tiers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub other_engines: Vec<Pathwise>,
     /// A path recorded elsewhere, beside those of the first tier of paths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside: Option<Beside>,
@@ -46,7 +50,34 @@ impl Comparison {
     pub fn new(scenario: &Scenario, settings: &Settings, tiers: Tiers, wall_s: f64) -> Self {
         let paths = tiers.pathwise().next().map(answer::sentence_of_paths);
         let answer = paths.or(tiers.closed_loop.as_ref().map(answer::sentence_of_ensemble)).unwrap_or_default();
-        Self { answer, scenario: scenario.name.clone(), seed: scenario.seed, settings: *settings, tiers, beside: None, wall_s }
+        let (scenario, seed) = (scenario.name.clone(), scenario.seed);
+        Self { answer, scenario, seed, settings: *settings, tiers, other_engines: Vec::new(), beside: None, wall_s }
+    }
+
+    /// With the paths of other engines. The answer has their errors too.
+    pub fn with_other_engines(mut self, others: Vec<Pathwise>) -> Self {
+        let tier = self.tiers.pathwise().next().map(|found| found.tier);
+        for other in others.iter().filter(|other| Some(other.tier) == tier) {
+            self.answer = format!("{} {}", self.answer, answer::sentence_of_engine(other));
+        }
+        Self { other_engines: others, ..self }
+    }
+
+    /// Comparisons of paths of all engines, those of the first one before the others.
+    pub fn all_paths(&self) -> impl Iterator<Item = &Pathwise> {
+        self.tiers.pathwise().chain(&self.other_engines)
+    }
+
+    /// Comparisons of the paths of all engines in the tier of the first one's `found`.
+    pub fn side_by_side<'a>(&'a self, found: &'a Pathwise) -> Vec<&'a Pathwise> {
+        [found].into_iter().chain(self.other_engines.iter().filter(|other| other.tier == found.tier)).collect()
+    }
+
+    /// Runs of all engines in that tier, after the exact ones.
+    pub fn runs<'a>(&'a self, found: &'a Pathwise) -> Vec<Labelled<'a>> {
+        let of_engine = |of: &'a Pathwise| Labelled { label: &of.engine.name, trace: &of.solutions[2].trace };
+        let exact = found.solutions[..2].iter().map(|solution| Labelled { label: solution.kind.name(), trace: &solution.trace });
+        exact.chain(self.side_by_side(found).into_iter().map(of_engine)).collect()
     }
 
     /// Lays a recorded path beside those of the first tier of paths.
@@ -57,6 +88,25 @@ impl Comparison {
         let Some(found) = self.tiers.pathwise().next() else { return Ok(()) };
         self.beside = Some(Beside::new(file, recorded, found)?);
         Ok(())
+    }
+
+    /// The worst account: a comparison that could not be computed has failed, and one with doubts
+    /// or with a run that is not ok is doubtful.
+    pub fn worst(&self) -> Health {
+        let accounts = self.all_paths().flat_map(|found| &found.solutions).map(|solution| solution.account.health);
+        let is_doubted =
+            self.all_paths().any(|found| !found.doubts.is_empty()) || self.tiers.closed_loop.iter().any(|found| !found.doubts.is_empty());
+        match () {
+            () if !self.are_computed() => Health::Failed,
+            () if is_doubted || accounts.max() > Some(Health::Ok) => Health::Doubtful,
+            () => Health::Ok,
+        }
+    }
+
+    /// Whether all runs succeeded.
+    pub fn are_computed(&self) -> bool {
+        let verdicts = self.all_paths().map(|found| found.verdict);
+        verdicts.chain(self.tiers.closed_loop.iter().map(|found| found.verdict)).all(|verdict| verdict != Verdict::NotComputed)
     }
 
     /// Whether the answer is that quasi-static is valid.
@@ -76,24 +126,5 @@ impl Tiers {
     pub fn engine(&self, tier: Tier) -> Option<&EngineName> {
         let of_paths = self.pathwise().find(|found| found.tier == tier).map(|found| &found.engine);
         of_paths.or(self.closed_loop.as_ref().filter(|found| found.tier == tier).map(|found| &found.engine))
-    }
-
-    /// The worst account: a comparison that could not be computed has failed, and one with doubts
-    /// or with a run that is not ok is doubtful.
-    pub fn worst(&self) -> Health {
-        let accounts = self.pathwise().flat_map(|found| &found.solutions).map(|solution| solution.account.health);
-        let is_doubted =
-            self.pathwise().any(|found| !found.doubts.is_empty()) || self.closed_loop.iter().any(|found| !found.doubts.is_empty());
-        match () {
-            () if !self.are_computed() => Health::Failed,
-            () if is_doubted || accounts.max() > Some(Health::Ok) => Health::Doubtful,
-            () => Health::Ok,
-        }
-    }
-
-    /// Whether all runs succeeded.
-    pub fn are_computed(&self) -> bool {
-        let verdicts = self.pathwise().map(|found| found.verdict);
-        verdicts.chain(self.closed_loop.iter().map(|found| found.verdict)).all(|verdict| verdict != Verdict::NotComputed)
     }
 }

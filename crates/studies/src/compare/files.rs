@@ -32,8 +32,7 @@ pub fn write_comparison(
     let tiers = &comparison.tiers;
     for (tier, found) in [("prescribed", &tiers.prescribed), ("replayed", &tiers.replayed)] {
         let Some(found) = found else { continue };
-        let traces = Labelled::compared(found.engine.after_exact(), found.solutions.iter().map(|solution| &solution.trace));
-        write_tier(&mut folder, tier, &traces, (scenario, &scene_of(found, scenario)), with)?;
+        write_tier(&mut folder, tier, &comparison.runs(found), (scenario, &scene_of(found, scenario)), with)?;
     }
     if let Some(found) = &tiers.closed_loop {
         write_tier(

@@ -7,4 +7,5 @@ pub mod comparison;
 pub mod doubt;
 pub mod files;
 pub mod page;
+pub mod side_by_side;
 pub mod text;

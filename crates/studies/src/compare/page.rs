@@ -2,6 +2,7 @@
 
 use crate::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance, verdict_text};
 use crate::compare::comparison::Comparison;
+use crate::compare::side_by_side;
 use crate::compare::text::{details, divergence, estimated, paired, suggested, tier_name, tried};
 use cohaul::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise};
 use cohaul::scenario::Scenario;
@@ -35,7 +36,7 @@ pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &
     }
     let mut page = Page::new(format!("{}: is quasi-static valid?", comparison.scenario), headline).from(manifest);
     for found in comparison.tiers.pathwise() {
-        page = pathwise(page, found, scenario);
+        page = pathwise(page, found, comparison, scenario);
     }
     if let (Some(beside), Some(found)) = (&comparison.beside, comparison.tiers.pathwise().next()) {
         page = page.section("Beside a recorded path", beside.section(found, &scene_of(found, scenario)));
@@ -88,8 +89,8 @@ fn numbers(found: &Pathwise) -> Vec<Number> {
     numbers.into_iter().flatten().chain(damping).collect()
 }
 
-fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
-    let runs = Labelled::compared(found.engine.after_exact(), found.solutions.iter().map(|solution| &solution.trace));
+fn pathwise(page: Page, found: &Pathwise, comparison: &Comparison, scenario: &Scenario) -> Page {
+    let runs = comparison.runs(found);
     let first = found.first_divergence.inertia_effect.or(found.first_divergence.engine_error).map(|divergence| divergence.time_s);
     let end = found.solutions[0].trace.rows.last().map_or(0.0, |row| row.time);
     let name = format!("{}: the same tip motions on all backends", tier_name(found.tier));
@@ -97,8 +98,12 @@ fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
     let details = details(found).into_iter();
     let table = details.fold(Table::new("All numbers of the comparison", ["", "value"]), |table, (label, value)| table.row([label, value]));
     // The replay is in sight on the first screen.
-    page.section(name, vec![Block::Replay(Box::new(replay))])
-        .section("Over time", over_time(&runs, &scene_of(found, scenario)))
+    let mut page = page.section(name, vec![Block::Replay(Box::new(replay))]);
+    let engines = comparison.side_by_side(found);
+    if engines.len() > 1 {
+        page = page.section(format!("{}: engines side by side", tier_name(found.tier)), side_by_side::section(&engines));
+    }
+    page.section("Over time", over_time(&runs, &scene_of(found, scenario)))
         .section(format!("{}: each quantity", tier_name(found.tier)), quantities(found))
         .section("Differences between the paths", vec![Block::Table(table)])
 }

@@ -2,7 +2,7 @@
 
 use crate::compare::answer::{self, name_and_unit, rounded_up, tolerance, verdict_text, words_of};
 use crate::compare::comparison::Comparison;
-use crate::compare::doubt;
+use crate::compare::{doubt, side_by_side};
 use cohaul::analysis::compare::{ClosedLoop, DampingEffect, Difference, Distribution, Divergence, EngineAnswer, InertiaAnswer};
 use cohaul::analysis::compare::{LONGEST_TRIAL, Measure, PairedDifference, Pathwise, Predicted, QuantityVerdict, RunMeasure};
 use cohaul::analysis::compare::{Solution, SuggestedChange, Tier, Tried};
@@ -27,7 +27,9 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
     }
     let of_ensemble = comparison.tiers.closed_loop.as_ref().map_or(0, |found| measures(found).lines().count());
     for found in comparison.tiers.pathwise() {
-        let verdicts = verdicts(found);
+        let engines = comparison.side_by_side(found);
+        let beside = if engines.len() > 1 { side_by_side::text(&engines) } else { String::new() };
+        let verdicts = verdicts(found) + &beside;
         lines.text += &verdicts;
         match detail {
             Detail::Brief => {
@@ -53,7 +55,8 @@ pub fn account_warnings(comparison: &Comparison) -> Vec<String> {
     let of_run = |(name, solution): (&str, &Solution)| {
         account_words::warnings(&solution.account).map(|what| format!("{name}: {what}")).collect::<Vec<_>>()
     };
-    comparison.tiers.pathwise().flat_map(|found| found.named_runs()).flat_map(of_run).collect()
+    let others = comparison.other_engines.iter().filter_map(|found| found.named_runs().nth(2));
+    comparison.tiers.pathwise().flat_map(|found| found.named_runs()).chain(others).flat_map(of_run).collect()
 }
 
 /// Warning about reference runs that do not reach the tolerance asked for; `None` if all do.
@@ -157,7 +160,9 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     rows.extend(by_trigger(&found.edge_displacement.by_trigger).map(|parts| ("by trigger", parts)));
     rows.extend(found.first_divergence.inertia_effect.map(|first| ("first divergence", divergence(&first))));
     let [step, model] = [&found.time_step_error, &found.model_error].map(|error| metres(error.edge_displacement_max_m));
-    rows.push(("engine error", format!("time step {step}, model {model}")));
+    let order = found.time_step_order.map(|order| format!(" (order {order:.2})"));
+    let uncertainty = metres(found.reference_error.engine.edge_displacement_max_m);
+    rows.push(("engine error", format!("time step {step}{}, model {model} ± {uncertainty}", order.unwrap_or_default())));
     rows.push(("tolerance", tolerance(found)));
     rows.extend(found.damping_effect.as_ref().map(|effect| ("damping effect", damping(effect))));
     rows.extend(estimate(&found.predicted).map(|text| ("estimate", text)));
@@ -279,7 +284,10 @@ fn estimate(predicted: &Predicted) -> Option<String> {
 pub fn suggested(change: &SuggestedChange, engine: &str) -> (String, &'static str) {
     match change {
         SuggestedChange::SmallerStep { step_s } => {
-            (format!("use {engine} with --step-s {step_s:.2e}"), "the time-step error falls in proportion to the step")
+            (format!("use {engine} with --step-s {step_s:.2e}"), "the time-step error falls with the step")
+        }
+        SuggestedChange::MoreHalvings { halvings } => {
+            (format!("compare with --halvings {halvings}"), "time step and model cannot be told apart at this step")
         }
         SuggestedChange::OtherModel => {
             (format!("use another friction or spring model in {engine}"), "the model error does not depend on the step")

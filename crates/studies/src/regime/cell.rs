@@ -6,7 +6,7 @@ use super::scene::{Scene, Setting, Staged};
 use super::script::Script;
 use super::theory;
 use crate::verify::scenes::SLIP_STRETCH;
-use cohaul::analysis::compare::{Difference, Solution};
+use cohaul::analysis::compare::{Difference, LEAST_HALVINGS, Solution};
 use cohaul::backend::{BackendKind, Status, TransitionKind};
 use cohaul::simulation::{Controller, backend_of};
 
@@ -122,5 +122,5 @@ impl Cell {
 
 fn solution(staged: &Staged, kind: BackendKind, watch: &(impl Fn() -> bool + Sync)) -> Option<Solution> {
     let controller = || Box::new(Script::new(staged.cues.clone(), staged.scenario.system.springs.len())) as Box<dyn Controller>;
-    Solution::find(&staged.scenario, &staged.options(kind), 1, &backend_of, controller, |_| watch())
+    Solution::find(&staged.scenario, &staged.options(kind), (1, LEAST_HALVINGS), &backend_of, controller, |_| watch())
 }

@@ -1,0 +1,67 @@
+//! Several engines side by side, on the same scene and the same exact paths.
+
+use crate::compare::answer::words_of;
+use cohaul::analysis::compare::{EngineAnswer, Pathwise, QuantityVerdict};
+use cohaul_report::page::Block;
+use cohaul_report::quantity::of_run::short_quantity;
+use cohaul_report::quantity::short;
+use cohaul_report::table::Table;
+
+/// A line for each engine: its errors on the path, and what is not within its tolerance.
+pub fn text(found: &[&Pathwise]) -> String {
+    let row = |[name, path, step, order, model, beyond]: [&str; 6]| {
+        format!("{}\n", format!("{name:<20} {path:<9} {step:<9} {order:<9} {model:<9} {beyond}").trim_end())
+    };
+    let mut text = row(["Engine error", "path", "time step", "order", "model", "not within"]);
+    for of in found {
+        let [path, step, order, model] = on_path(of);
+        text += &row([&format!("  {}", of.engine.name), &path, &step, &order, &model, &beyond(of)]);
+    }
+    text
+}
+
+/// The section of a report: the errors of each engine on every quantity.
+pub fn section(found: &[&Pathwise]) -> Vec<Block> {
+    let on_path_alone = ["engine", "version", "error on the path", "time step", "order", "model", "error of time step and model"];
+    let mut paths = Table::new("Engine errors on the path; the tolerance is that of all", on_path_alone);
+    let names: Vec<&str> = found.iter().flat_map(|of| of.verdicts.shown()).map(|(name, _)| name).collect();
+    let mut quantities: Vec<&str> = Vec::new();
+    names.into_iter().for_each(|name| {
+        if !quantities.contains(&name) {
+            quantities.push(name)
+        }
+    });
+    let mut shares = Table::new("Engine errors over their tolerances (1)", ["engine"].into_iter().chain(quantities.iter().copied()));
+    let mut causes = Table::new("Causes of what exceeds a tolerance", ["engine"].into_iter().chain(quantities.iter().copied()));
+    for of in found {
+        let name = || of.engine.name.to_string();
+        let uncertainty = short_quantity(of.reference_error.engine.edge_displacement_max_m, "m");
+        let [path, step, order, model] = on_path(of);
+        paths.push([name(), of.engine.version.clone().unwrap_or_default(), path, step, order, model, uncertainty]);
+        let cell = |quantity: &str, text: fn(&QuantityVerdict) -> String| {
+            of.verdicts.shown().find(|(name, _)| *name == quantity).map_or("not judged".to_owned(), |(_, of)| text(of))
+        };
+        let row = |text: fn(&QuantityVerdict) -> String| [name()].into_iter().chain(quantities.iter().map(move |name| cell(name, text)));
+        shares.push(row(share));
+        causes.push(row(|of| Some(words_of(of, [false, true])).filter(|words| !words.is_empty()).unwrap_or_else(|| "within".to_owned())));
+    }
+    vec![Block::Table(paths), Block::Table(shares), Block::Table(causes)]
+}
+
+/// Error on the path, its part of the time step with the order, and its part of the model.
+fn on_path(of: &Pathwise) -> [String; 4] {
+    let metres = |value: f64| short_quantity(value, "m");
+    let [step, model] = [&of.time_step_error, &of.model_error].map(|error| metres(error.edge_displacement_max_m));
+    let order = of.time_step_order.map_or("none".to_owned(), |order| format!("{order:.2}"));
+    [metres(of.edge_displacement.engine_error_m), step, order, model]
+}
+
+fn share(of: &QuantityVerdict) -> String {
+    let (error, tolerance) = of.worst_of_engine().map_or((of.engine_error, of.tolerance), |it| (it.engine_error, it.tolerance));
+    if tolerance > 0.0 { short(error / tolerance) } else { "not judged".to_owned() }
+}
+
+/// The quantities on which the engine is not within a tolerance.
+fn beyond(of: &Pathwise) -> String {
+    of.verdicts.shown().filter(|(_, of)| of.engine == EngineAnswer::NotWithin).map(|(name, _)| name).collect::<Vec<_>>().join(", ")
+}
