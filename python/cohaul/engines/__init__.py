@@ -27,16 +27,43 @@ counter-clockwise and are not wrapped. This one is a load that slides without tu
 ('within', 'slider')
 
 The same class is a program for ``cohaul compare SCENE --engine CMD``, if its file ends with
-``cohaul.engines.serve(Slider)``. This module needs nothing but Python.
+``cohaul.engines.serve(Slider)``. This file needs nothing but Python.
+
+Adapters for engines of others have a file each. They are imported when they are asked for, and need
+the engine's own library, ``pip install cohaul[pymunk]``:
+
+>>> sorted(ADAPTERS)
+['Box2D', 'Box2DDefaults', 'Drake', 'DrakeDefaults', 'MuJoCo', 'MuJoCoDefaults', 'Pymunk', 'PymunkAlongSlip', 'PymunkDefaults']
 """
 
 from __future__ import annotations
 
+import importlib
 import json
 import sys
 from typing import Any, Callable, Mapping, Sequence, Type
 
 Wrench = Callable[[Sequence[float], Sequence[float], float], Sequence[float]]
+
+ADAPTERS = {
+    "Box2D": "box2d",
+    "Box2DDefaults": "box2d",
+    "Drake": "drake",
+    "DrakeDefaults": "drake",
+    "MuJoCo": "mujoco",
+    "MuJoCoDefaults": "mujoco",
+    "Pymunk": "pymunk",
+    "PymunkAlongSlip": "pymunk",
+    "PymunkDefaults": "pymunk",
+}
+"""Adapters, and the file and extra of each."""
+
+
+def __getattr__(name: str) -> Any:
+    """An adapter, when it is asked for."""
+    if name not in ADAPTERS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{ADAPTERS[name]}"), name)
 
 
 class Engine:

@@ -1,0 +1,64 @@
+"""What adapters share: the loop of steps, obstacles that move, and the energy that is lost."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Sequence
+
+from . import Engine
+
+
+class Planar(Engine):
+    """An engine that is stepped, and states where its load is."""
+
+    def step(self, h: float, share: float) -> None:
+        """One step of ``h`` (s), which ends after this ``share`` (1) of the advance."""
+        raise NotImplementedError
+
+    def load_pose(self) -> list[float]:
+        raise NotImplementedError
+
+    def load_twist(self) -> list[float]:
+        raise NotImplementedError
+
+    def obstacle_poses(self) -> list[list[float]]:
+        """Where the engine has the obstacles (m, m, rad)."""
+        return []
+
+    def move_obstacle(self, at: int, twist: list[float]) -> None:
+        """Lets an obstacle move at a constant twist from here on."""
+
+    def contacts(self, h: float) -> list[dict[str, Any]] | None:
+        """Forces of obstacles on the load in the last step of ``h`` (s), if the engine knows them."""
+        return None
+
+    def keep(self, scene: dict[str, Any]) -> None:
+        """Begins to keep the energy."""
+        self.masses = [scene["mass_kg"], scene["mass_kg"], scene["inertia_kg_m2"]]
+        self.lost: float | None = 0.0
+        self.places = [list(obstacle["pose"]) for obstacle in scene["obstacles"]]
+        if any(spring["radial_damping_ns_per_m"] or spring["torsional_damping_nms_per_rad"] for spring in scene["springs"]):
+            self.lost = None  # What dashpots take is not known here.
+
+    def advance(self, tips_m: Any, obstacles: Sequence[Sequence[float]], duration_s: float, n_steps: int) -> Mapping[str, Any]:
+        h = duration_s / n_steps
+        for at, (pose, target) in enumerate(zip(self.obstacle_poses(), obstacles)):
+            self.move_obstacle(at, [(there - here) / duration_s for here, there in zip(pose, target)])
+        if [list(target) for target in obstacles] != self.places:
+            self.lost = None  # What pushers give is not known here.
+        before = self.load_pose(), self._kinetic_energy()
+        pushed = self.wrench(before[0], self.load_twist(), 0.0)
+        for step in range(n_steps):
+            share = (step + 1) / n_steps
+            self.step(h, share)
+            after = self.load_pose(), self._kinetic_energy()
+            if self.lost is not None:
+                # The springs' work on the load that did not become kinetic energy.
+                pulled, pushed = pushed, self.wrench(after[0], self.load_twist(), share)
+                work = sum(0.5 * (f + g) * (there - here) for f, g, here, there in zip(pulled, pushed, before[0], after[0]))
+                self.lost += work - (after[1] - before[1])
+            before = after
+        found = {"pose": self.load_pose(), "twist": self.load_twist(), "dissipated_j": self.lost, "contacts": self.contacts(h)}
+        return {key: value for key, value in found.items() if value is not None}
+
+    def _kinetic_energy(self) -> float:
+        return sum(0.5 * mass * rate**2 for mass, rate in zip(self.masses, self.load_twist()))
