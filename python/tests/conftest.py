@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+pytest_plugins = ["pytester"]
+
 ROOT = Path(os.environ.get("COHAUL_ROOT", Path(__file__).resolve().parents[2]))
 SCENES = ROOT / "scenarios"
 PROGRAM = Path(os.environ.get("COHAUL", ROOT / "target/debug/cohaul"))
