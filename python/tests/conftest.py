@@ -16,6 +16,7 @@ PROGRAM = Path(os.environ.get("COHAUL", ROOT / "target/debug/cohaul"))
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all-scenes", action="store_true", help="whole runs of every scene on every backend")
+    parser.addoption("--misuses", type=int, default=0, help="random misuses of engines, in the interpreter and through the pipe")
     parser.addoption("--calls", type=int, default=100_000, help="calls of the step loop in the test of memory")
 
 

@@ -38,6 +38,7 @@ the engine's own library, ``pip install cohaul[pymunk]``:
 
 from __future__ import annotations
 
+import collections.abc
 import importlib
 import json
 import sys
@@ -143,7 +144,12 @@ class Session:
 
 def _plain(value: Any) -> Any:
     """Numbers and arrays of numpy, and other sequences, as JSON has them."""
-    return value.tolist() if hasattr(value, "tolist") else list(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, collections.abc.Sequence) and not isinstance(value, (bytes, bytearray, memoryview)):
+        return list(value)
+    # What is read once may have no end.
+    raise TypeError(f"answer: must consist of numbers, texts, lists and arrays, found {type(value).__name__}")
 
 
 def serve(make: Type[Engine] | Callable[[], Any]) -> None:
