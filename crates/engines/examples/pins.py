@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An engine of 40 lines without dependencies: semi-implicit Euler, and friction by impulses that
+"""An engine of 50 lines without dependencies: semi-implicit Euler, and friction by impulses that
 are clamped at each support, one after another, as engines for games do it.
 
     cohaul compare SCENE --engine crates/engines/examples/pins.py
@@ -41,10 +41,8 @@ class Pins(Engine):
         for _ in range(SWEEPS):
             for at, (rx, ry, most) in enumerate(arms):
                 # The impulse that stops the support, added to that of before and clamped.
-                kxx, kyy = 1 / self.mass + ry * ry / self.inertia, 1 / self.mass + rx * rx / self.inertia
-                kxy = -rx * ry / self.inertia
-                px, py, det = u - w * ry, v + w * rx, kxx * kyy - kxy * kxy
-                jx, jy = held[at][0] - (kyy * px - kxy * py) / det, held[at][1] - (kxx * py - kxy * px) / det
+                ix, iy = self.carried(rx, ry, u - w * ry, v + w * rx)
+                jx, jy = held[at][0] - ix, held[at][1] - iy
                 size = math.hypot(jx, jy)
                 if size > most:
                     jx, jy = jx * most / size, jy * most / size
@@ -53,6 +51,23 @@ class Pins(Engine):
         self.lost -= sum(jx * (u - w * ry) + jy * (v + w * rx) for (jx, jy), (rx, ry, _) in zip(held, arms))
         self.pose, self.twist = [x + h * u, y + h * v, heading + h * w], [u, v, w]
 
+    def carried(self, rx, ry, px, py):
+        """Impulse K^-1 p of a support that moves at p."""
+        kxx, kyy = 1 / self.mass + ry * ry / self.inertia, 1 / self.mass + rx * rx / self.inertia
+        kxy = -rx * ry / self.inertia
+        det = kxx * kyy - kxy * kxy
+        return (kyy * px - kxy * py) / det, (kxx * py - kxy * px) / det
+
+
+class AlongSlip(Pins):
+    """The cure: the largest eigenvalue of K in place of K. Friction then opposes the slip."""
+
+    name = "pins (along the slip)"
+
+    def carried(self, rx, ry, px, py):
+        k = 1 / self.mass + (rx * rx + ry * ry) / self.inertia
+        return px / k, py / k
+
 
 if __name__ == "__main__":
-    serve(Pins)
+    serve(AlongSlip if "--along-slip" in sys.argv else Pins)
