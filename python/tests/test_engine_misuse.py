@@ -216,7 +216,7 @@ SCRIPT = '''
 import json, os, random, signal, sys, time
 rng = random.Random(int(sys.argv[1]))
 kind = rng.choice(["garbage", "utf8", "half", "huge", "closed", "code", "signal", "sleep", "twice", "early", "print", "deep", "kind", "nan", "ask", "newline", "empty", "surrogate", "crlf", "bom"])
-when = rng.choice(["start", "advance"] if kind in ("kind", "ask") else ["start", "attach", "release", "advance"])
+when = rng.choice(["start", "advance"] if kind in ("kind", "nan", "ask") else ["start", "attach", "release", "advance"])
 if len(sys.argv) > 2:
     kind, when = sys.argv[2:]
 out = sys.stdout.buffer
