@@ -61,7 +61,6 @@ def test_friction_along_the_slip_errs_by_its_step_alone(scene):
     assert found.tiers["prescribed"]["engine"]["name"] == "pins (along the slip)"
 
 
-@pytest.mark.xfail(strict=True, reason="the energy of a released spring counts for the exact backends alone")
 def test_energy_of_a_released_spring_is_no_fault_of_an_engine():
     """The friction of 2.18 mJ is right to 1 %; the 2.27 mJ of the spring are not the engine's to know."""
     found = cohaul.compare(ROOT / "scenarios/analytic/release-jump.json", engine=AlongSlip, step_s=1e-3)

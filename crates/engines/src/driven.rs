@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 
 use cohaul::backend::{Backend, BackendOptions, Computes, EnergyLedger, Motion, SideContact, Status, StepReport, n_steps_in};
 use cohaul::math::{Pose, Twist, Vec2};
@@ -75,8 +76,12 @@ impl Driven {
     /// Attaches or releases a spring: what its tip was pulled with is over.
     fn change(&mut self, spring: usize, request: &Request, call: &str) {
         self.pulls.iter_mut().for_each(|pulls| pulls[spring] = None);
-        let answer = self.ask::<serde_json::Value>(request, call);
-        self.told(answer);
+        let answer = self.ask::<Map<String, Value>>(request, call);
+        let is_empty = |answer: Map<String, Value>| match answer.keys().next() {
+            None => Ok(()),
+            Some(key) => Err(format!("{call}: must be answered by an empty object, found {}", shortened(key))),
+        };
+        self.told(answer.and_then(is_empty));
     }
 
     /// Keeps what was wrong in an answer, if anything was.
@@ -150,7 +155,7 @@ impl Driven {
     fn record(&mut self, dissipated: Option<f64>) {
         let Some(friction) = dissipated else { return };
         let (elastic, kinetic) = (self.springs.energy(&self.motion.pose), self.system.load.kinetic_energy(&self.motion.twist));
-        let tip_work = elastic + kinetic + friction - self.energy.initial;
+        let tip_work = elastic + kinetic + friction + self.energy.released - self.energy.initial;
         self.energy = EnergyLedger { elastic, kinetic, friction, tip_work, ..self.energy };
     }
 }
@@ -179,7 +184,8 @@ fn line(request: &Request) -> String {
 
 /// The answer to a `call`, or what is wrong with it.
 fn read<T: DeserializeOwned>(answer: Result<String, String>, call: &str) -> Result<T, String> {
-    let parsed = |answer: String| serde_json::from_str(&answer).map_err(|error| format!("{error}, found {}", shortened(answer.trim())));
+    let wrong = |error: serde_json::Error, answer: &str| format!("{}, found {}", shortened(&error.to_string()), shortened(answer.trim()));
+    let parsed = |answer: String| serde_json::from_str(&answer).map_err(|error| wrong(error, &answer));
     answer.and_then(parsed).map_err(|what| format!("{call}: {what}"))
 }
 
@@ -197,7 +203,12 @@ impl Backend for Driven {
     }
 
     fn release(&mut self, spring: usize) {
+        let pose = self.motion.pose;
+        let before = self.springs.energy(&pose);
         self.springs.release(spring);
+        let left = self.springs.energy(&pose);
+        // The engine cannot know what a spring keeps that it no longer has.
+        self.energy.release(before - left, left);
         self.change(spring, &Request::Release { spring }, "release");
     }
 

@@ -1,11 +1,11 @@
 //! A program as an engine: one JSON object a line on its standard input and output.
 
 use std::io::{BufRead, BufReader, Read, Write};
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::Arc;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::channel::Channel;
 use crate::protocol::Ask;
@@ -16,6 +16,9 @@ const LONGEST_LINE: u64 = 16 << 20;
 /// How long an engine may take to end by itself after its last request.
 const GRACE: Duration = Duration::from_millis(500);
 
+/// How often it is looked whether the engine still reads what it is sent.
+const LOOK: Duration = Duration::from_millis(20);
+
 /// A running program.
 pub struct Pipe {
     child: Child,
@@ -23,6 +26,10 @@ pub struct Pipe {
     input: Option<ChildStdin>,
     lines: Receiver<Result<String, String>>,
     timeout: Duration,
+    /// By when the engine must have read what it is being sent; `None` while it is not.
+    read_by: Arc<Mutex<Option<Instant>>>,
+    /// Whether a request was sent.
+    is_asked: bool,
 }
 
 impl Pipe {
@@ -39,27 +46,66 @@ impl Pipe {
         let (input, output) = (child.stdin.take(), child.stdout.take().expect("it is piped"));
         let (sender, lines) = sync_channel(1);
         thread::spawn(move || read_lines(output, &sender));
-        Ok(Self { child, input, lines, timeout })
+        let read_by = Arc::default();
+        let (group, watched) = (child.id(), Arc::downgrade(&read_by));
+        thread::spawn(move || end_if_deaf(group, &watched));
+        Ok(Self { child, input, lines, timeout, read_by, is_asked: false })
     }
 
-    /// A program that has ended cannot be written to, which its missing answer says better.
-    fn send(&mut self, line: &str) {
+    /// Sends a line. An engine that does not read it is ended. One that has ended cannot be written
+    /// to, which its missing answer says better.
+    fn send(&mut self, line: &str, deadline: Instant) {
         if let Some(input) = &mut self.input {
+            *locked(&self.read_by) = Some(deadline);
             let _ = input.write_all(format!("{line}\n").as_bytes()).and_then(|()| input.flush());
+            *locked(&self.read_by) = None;
         }
     }
 
-    fn receive(&mut self) -> Result<String, String> {
-        match self.lines.recv_timeout(self.timeout) {
+    fn receive(&mut self, deadline: Instant) -> Result<String, String> {
+        match self.lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
             Ok(line) => line,
-            Err(RecvTimeoutError::Timeout) => Err(format!("must answer within {} s, found nothing", self.timeout.as_secs_f64())),
-            Err(RecvTimeoutError::Disconnected) => Err(self.ended()),
+            Err(RecvTimeoutError::Timeout) => Err(self.late()),
+            Err(RecvTimeoutError::Disconnected) => Err(self.ended(deadline)),
         }
     }
 
-    fn ended(&mut self) -> String {
-        let status = self.child.wait().map(|status| status.to_string());
-        format!("must answer each request, found its end ({})", status.unwrap_or_else(|error| error.to_string()))
+    fn late(&self) -> String {
+        format!("must answer within {} s, found nothing", self.timeout.as_secs_f64())
+    }
+
+    /// What an engine did that closed its output: it has ended, or will not answer.
+    fn ended(&mut self, deadline: Instant) -> String {
+        match self.wait_until(deadline) {
+            Some(_) if Instant::now() >= deadline => self.late(),
+            Some(status) => format!("must answer each request, found its end ({status})"),
+            None => "must answer each request, found its output closed".to_owned(),
+        }
+    }
+
+    /// The code of a program that ends by itself until then.
+    fn wait_until(&mut self, deadline: Instant) -> Option<ExitStatus> {
+        loop {
+            match self.child.try_wait() {
+                Ok(None) if Instant::now() < deadline => thread::sleep(Duration::from_millis(5)),
+                found => return found.ok().flatten(),
+            }
+        }
+    }
+}
+
+fn locked(read_by: &Mutex<Option<Instant>>) -> MutexGuard<'_, Option<Instant>> {
+    read_by.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends a group of programs that does not read what it is sent, for as long as there is a pipe.
+fn end_if_deaf(group: u32, read_by: &Weak<Mutex<Option<Instant>>>) {
+    while let Some(read_by) = read_by.upgrade() {
+        if locked(&read_by).is_some_and(|deadline| Instant::now() > deadline) {
+            return end(group);
+        }
+        drop(read_by);
+        thread::sleep(LOOK);
     }
 }
 
@@ -95,40 +141,38 @@ fn shell(command: &str) -> Command {
     started
 }
 
-/// Ends a program that does not do so by itself, with all that it has started.
-fn end(child: &mut Child) {
+/// Ends a group of programs.
+fn end(group: u32) {
     if cfg!(unix) {
-        let group = format!("-{}", child.id());
-        let _ = Command::new("kill").args(["-KILL", "--", &group]).stderr(Stdio::null()).status();
+        let _ = Command::new("kill").args(["-KILL", "--", &format!("-{group}")]).stderr(Stdio::null()).status();
     }
-    let _ = child.kill();
-    let _ = child.wait();
 }
 
 impl Channel for Pipe {
     fn exchange(&mut self, line: &str, springs: &Arc<Springs>) -> Result<String, String> {
-        self.send(line);
+        if let (true, Ok(early)) = (self.is_asked, self.lines.try_recv()) {
+            return Err(format!("must answer each request once, found {} before it", early?.chars().take(120).collect::<String>().trim()));
+        }
+        self.is_asked = true;
+        let deadline = Instant::now() + self.timeout;
+        self.send(line, deadline);
         loop {
-            let answer = self.receive()?;
+            let answer = self.receive(deadline)?;
             let Ok(ask) = serde_json::from_str::<Ask>(&answer) else { return Ok(answer) };
-            self.send(&serde_json::to_string(&springs.answer(&ask)).expect("numbers are plain data"));
+            self.send(&serde_json::to_string(&springs.answer(&ask)).expect("numbers are plain data"), deadline);
         }
     }
 }
 
-/// The engine may end by itself; it is ended if it does not.
+/// The engine may end by itself. It is ended if it does not, and so is what it has started.
 impl Drop for Pipe {
     fn drop(&mut self) {
-        if let Some(mut input) = self.input.take() {
-            let _ = input.write_all(b"{\"call\":\"end\"}\n");
-        }
-        let pause = Duration::from_millis(5);
-        for _ in 0..GRACE.as_millis() / pause.as_millis() {
-            if !matches!(self.child.try_wait(), Ok(None)) {
-                return;
-            }
-            thread::sleep(pause);
-        }
-        end(&mut self.child);
+        let deadline = Instant::now() + GRACE;
+        self.send("{\"call\":\"end\"}", deadline);
+        self.input = None;
+        self.wait_until(deadline);
+        end(self.child.id());
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }

@@ -137,7 +137,7 @@ pub struct Advanced {
     /// Force on each spring's tip; `null` for free springs (N).
     #[serde(default)]
     pub pulls_n: Option<Vec<Option<[f64; 2]>>>,
-    /// Energy dissipated since the start (J).
+    /// Energy dissipated since the start (J), without that of springs that were released.
     #[serde(default)]
     pub dissipated_j: Option<f64>,
     /// Forces of obstacles on the load.

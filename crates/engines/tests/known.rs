@@ -77,7 +77,7 @@ impl Channel for Exact {
                     "pose": [pose.position.x + self.lie.at(self.step), pose.position.y, pose.heading],
                     "twist": [twist.linear.x, twist.linear.y, twist.angular],
                     "pulls_n": pulls,
-                    "dissipated_j": backend.energy().dissipated(),
+                    "dissipated_j": backend.energy().dissipated() - backend.energy().released,
                     "contacts": contacts,
                 });
                 let states = self.states;
