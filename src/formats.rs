@@ -159,6 +159,8 @@ formats! {
     CHECK = ("cohaul check", 1, "`check --json`, `summary.json`", None);
     /// Result of `verify`.
     VERIFY = ("cohaul verify", 1, "`verify --json`, `verify.json`", None);
+    /// Result of `conformance`.
+    CONFORMANCE = ("cohaul conformance", 1, "`conformance --json`, `summary.json`", None);
     /// Result of `stress`.
     STRESS = ("cohaul stress", 1, "`stress --json`, `summary.json`", None);
     /// Result of `bench`.

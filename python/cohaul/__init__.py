@@ -21,6 +21,7 @@ rigid-body engine rapier2d). Units are SI; angles are in radians, counter-clockw
 """
 
 from ._compare import BACKENDS, Comparison, compare, compare_controller
+from ._conformance import Conformance, conformance
 from ._errors import Fault, InternalError, ScenarioError
 from ._native import View
 from ._parts import ants, ground, load, path, spring, tips
@@ -32,6 +33,7 @@ from ._sweep import Sweep, sweep
 __all__ = [
     "BACKENDS",
     "Comparison",
+    "Conformance",
     "Event",
     "Fault",
     "InternalError",
@@ -45,6 +47,7 @@ __all__ = [
     "ants",
     "compare",
     "compare_controller",
+    "conformance",
     "ground",
     "load",
     "path",

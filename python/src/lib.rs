@@ -10,11 +10,13 @@
 //! engine.rs      an engine that is written in Python
 //! stepper.rs     a load that is moved step by step
 //! compare.rs     a comparison of three backends
+//! conformance.rs questions with closed answers
 //! sweep.rs       many runs on all threads
 //! ```
 #![deny(unsafe_code)]
 
 mod compare;
+mod conformance;
 mod controller;
 mod engine;
 mod options;
@@ -32,6 +34,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use super::compare::{Comparison, compare};
+    #[pymodule_export]
+    use super::conformance::{Conformance, conformance};
     #[pymodule_export]
     use super::controller::View;
     #[pymodule_export]

@@ -142,6 +142,8 @@ fn printed_results_fit_a_terminal() {
         &["verify", "slide", "--quick"],
         &["verify", "slide", "--quick", "--verbose"],
         &["verify", "--list"],
+        &["conformance"],
+        &["conformance", "--engine", "quasi-static", "--verbose"],
         &["stress", "--list"],
         &["stress", "--quick", "--map", "step-stiffness"],
         &["check", "tests/baselines", "slide-spin-inertial"],

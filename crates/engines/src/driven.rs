@@ -48,6 +48,9 @@ impl Driven {
         let springs = Arc::new(Springs::new(system));
         let request = Request::start(system, start, options);
         let started: Started = read(channel.exchange(&line(&request), &springs), "start")?;
+        if let Some(why) = started.refused {
+            return Err(format!("start: {}", shortened(why.trim())));
+        }
         check_words("name", &started.name)?;
         started.version.iter().try_for_each(|version| check_words("version", version))?;
         let energy = EnergyLedger { initial: system.load.kinetic_energy(&start.twist), ..EnergyLedger::default() };

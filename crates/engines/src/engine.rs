@@ -49,6 +49,16 @@ impl<'a> Engine<'a> {
         }
     }
 
+    /// A single run, whose faults are its own.
+    ///
+    /// # Errors
+    /// When it does not start, in words.
+    pub fn once(open: &Open, scenario: &Scenario, options: &BackendOptions) -> Result<(Box<dyn Backend>, Arc<Complaint>), String> {
+        let complaint = Arc::new(Complaint::default());
+        let (driven, _) = Driven::start(open()?, scenario, options, &complaint)?;
+        Ok((Box::new(driven), complaint))
+    }
+
     pub fn name(&self) -> &EngineName {
         &self.name
     }

@@ -116,9 +116,14 @@ pub struct Obstacle {
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Started {
+    /// Needed unless the scene is refused.
+    #[serde(default)]
     pub name: String,
     #[serde(default)]
     pub version: Option<String>,
+    /// Why the engine does not take the scene.
+    #[serde(default)]
+    pub refused: Option<String>,
 }
 
 /// Answer to `advance`: the state at its end. Left out may be all but the pose; what is left out is

@@ -42,6 +42,7 @@ import collections.abc
 import importlib
 import json
 import sys
+import traceback
 from typing import Any, Callable, Mapping, Sequence, Type
 
 Wrench = Callable[[Sequence[float], Sequence[float], float], Sequence[float]]
@@ -171,6 +172,13 @@ def serve(make: Type[Engine] | Callable[[], Any]) -> None:
         return found
 
     for line in iter(lines.readline, ""):
-        say(session.exchange(line, wrench))
+        try:
+            say(session.exchange(line, wrench))
+        except Exception as error:
+            # An engine need not take every scene, and says why.
+            if '"call":"start"' not in line:
+                raise
+            traceback.print_exc()
+            say(json.dumps({"refused": f"{type(error).__name__}: {error}"}))
         if '"call":"end"' in line:
             return

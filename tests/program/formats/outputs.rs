@@ -164,6 +164,8 @@ impl Outputs {
 
     fn studies(&mut self) {
         self.take(&["verify", "slide", "towing", "--quick"]);
+        self.take(&["conformance", "--engine", "quasi-static"]);
+        self.take(&["conformance", "--engine", "rapier", "--step-s", "0.01"]);
         self.take(&["stress", "--map", "wind", "--map", "step-stiffness", "--quick"]);
         self.take(&["bench", "scenarios/analytic/slide.json", "--solvers", "--quick", "--repeats", "1", "--budget-s", "0.01"]);
         self.take(&["regime", "--quick", "--scene", "haul"]);

@@ -5,6 +5,7 @@ mod calibrate;
 mod check;
 mod choice;
 mod compare;
+mod conformance;
 mod console;
 mod cost;
 mod engine;
@@ -26,6 +27,7 @@ mod resumable;
 mod run;
 mod scenario;
 mod stress;
+mod subject;
 mod sweep;
 mod threads;
 mod threshold;
@@ -105,6 +107,8 @@ commands! {
     Check(check::CheckArgs) => check::check,
     /// Compare every backend with known answers
     Verify(verify::VerifyArgs) => verify::verify,
+    /// Put questions with closed answers to any engine
+    Conformance(conformance::ConformanceArgs) => conformance::conformance,
     /// Measure run time and error of every method
     Bench(bench::BenchArgs) => bench::bench,
     /// Find where each backend breaks, and why
