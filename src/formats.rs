@@ -133,6 +133,8 @@ formats! {
     SCENARIO = ("cohaul scenario", 1, "key `format` of a scenario, a whole number; it may be left out", Older);
     /// A stored run that later builds are compared with.
     BASELINE = ("cohaul baseline", 1, "keys `format` and `version` of each file of `check store`", Same);
+    /// Stored errors of an engine that later builds of it are compared with.
+    GATE_RECORD = ("cohaul gate record", 1, "each file of `gate --record`", Same);
     /// The manifest of an output folder.
     MANIFEST = ("cohaul manifest", 1, "`manifest.json` of each output folder", Older);
     /// The state of a run, from which it continues.
@@ -161,6 +163,8 @@ formats! {
     VERIFY = ("cohaul verify", 1, "`verify --json`, `verify.json`", None);
     /// Result of `conformance`.
     CONFORMANCE = ("cohaul conformance", 1, "`conformance --json`, `summary.json`", None);
+    /// Result of `gate`.
+    GATE = ("cohaul gate", 1, "`gate --json`, `summary.json`", None);
     /// Result of `stress`.
     STRESS = ("cohaul stress", 1, "`stress --json`, `summary.json`", None);
     /// Result of `bench`.

@@ -26,6 +26,7 @@ pub mod compare;
 pub mod conformance;
 pub mod csv_input;
 pub mod first_scene;
+pub mod gate;
 pub mod journal;
 mod journal_text;
 pub mod known_answers;

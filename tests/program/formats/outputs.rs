@@ -19,6 +19,7 @@ fn parts_of(name: &str) -> Parts {
     let (opaque, maps): (&[&str], &[&str]) = match name {
         "cohaul manifest" => (&["options", "scenario"], &["files"]),
         "cohaul baseline" => (&["scenario"], &["build"]),
+        "cohaul gate record" => (&["scenes[].scenario"], &[]),
         "cohaul state" => (&["backend", "controller"], &[]),
         "cohaul sweep rows" => (&["identity.scenario"], &[]),
         "cohaul live" => (&["saved.scenario"], &[]),
@@ -166,6 +167,7 @@ impl Outputs {
         self.take(&["verify", "slide", "towing", "--quick"]);
         self.take(&["conformance", "--engine", "quasi-static"]);
         self.take(&["conformance", "--engine", "rapier", "--step-s", "0.01"]);
+        self.gates();
         self.take(&["stress", "--map", "wind", "--map", "step-stiffness", "--quick"]);
         self.take(&["bench", "scenarios/analytic/slide.json", "--solvers", "--quick", "--repeats", "1", "--budget-s", "0.01"]);
         self.take(&["regime", "--quick", "--scene", "haul"]);
@@ -173,6 +175,14 @@ impl Outputs {
         self.take(&["paper", "search", "--rows", "1", "--within", "0", "--seeds", "1", "--more-seeds", "2", "--most", "1"]);
         fs::write(self.path("bad.json"), "{}").unwrap();
         self.take(&["scenario", "check", JUMP, ROLL, &self.ants(), &self.path("bad.json")]);
+    }
+
+    /// Errors of rapier on two scenes at a step, and at a longer one.
+    fn gates(&mut self) {
+        let folder = self.path("gate");
+        let scenes = ["scenarios/analytic/slide-spin.json", "scenarios/contact/oblique-impact.json"];
+        self.take(&[&["gate", &folder, "--record", "--step-s", "5e-4"][..], &scenes].concat());
+        self.take(&["gate", &folder, "--step-s", "1e-3"]);
     }
 
     fn calibrations(&mut self) {

@@ -12,7 +12,7 @@ use cohaul_report::text::WIDTH;
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Commands", &["run", "compare", "view", "render", "scenario", "explain"]),
     ("Many runs", &["sweep", "merge", "regime"]),
-    ("Tests of a build, of backends and of engines", &["check", "verify", "conformance", "bench", "stress"]),
+    ("Tests of a build, of backends and of engines", &["check", "verify", "conformance", "gate", "bench", "stress"]),
     ("The paper, and measurements on springs and ants", &["paper", "calibrate"]),
     ("This program", &["completions", "man"]),
 ];

@@ -13,6 +13,7 @@ mod error;
 mod exit;
 mod explain;
 mod foreign;
+mod gate;
 mod generate;
 mod help;
 mod input;
@@ -109,6 +110,8 @@ commands! {
     Verify(verify::VerifyArgs) => verify::verify,
     /// Put questions with closed answers to any engine
     Conformance(conformance::ConformanceArgs) => conformance::conformance,
+    /// Compare a build of an engine with the errors of an earlier one
+    Gate(gate::GateArgs) => gate::gate,
     /// Measure run time and error of every method
     Bench(bench::BenchArgs) => bench::bench,
     /// Find where each backend breaks, and why
