@@ -9,7 +9,7 @@ use cohaul::scenario::{Scenario, sha256_hex};
 use cohaul_engines::Engine;
 use cohaul_engines::engine::Open;
 use cohaul_report::json;
-use cohaul_report::manifest::Manifest;
+use cohaul_report::manifest::{Libraries, Manifest};
 use cohaul_report::text::Detail;
 use cohaul_studies::conformance::files::{conformance_page, write_conformance};
 use cohaul_studies::conformance::report::{self, conformance_markdown, conformance_text};
@@ -50,13 +50,12 @@ pub fn conformance(
         let tasks = tasks(&tests, meet, step_s, has_inertia);
         let answers = computed(py, progress, |watch| threads.install(|| tasks.finished(&|share| watch.go_on(share))))?;
         // Only an interrupt stops the work, and that is an exception already.
-        Ok(report::Conformance::new(engine.clone(), step_s, &tests, answers.expect("the work ended")))
+        Ok::<_, PyErr>(report::Conformance::new(engine.clone(), step_s, &tests, answers.expect("the work ended")))
     };
     let found = match make {
         None => {
             let kind = named::<BackendKind>("engine", name)?;
-            let engine = EngineName { name: kind.name().into(), version: Some(env!("CARGO_PKG_VERSION").to_owned()) };
-            ask(&engine, &built_in(kind, RapierOptions::default()), kind.has_inertia())
+            ask(&Libraries::engine(kind), &built_in(kind, RapierOptions::default()), kind.has_inertia())
         }
         Some(make) => {
             let written = Written::new(py, make)?;

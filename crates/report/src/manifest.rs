@@ -6,6 +6,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::json;
+use cohaul::analysis::compare::EngineName;
+use cohaul::backend::BackendKind;
 use cohaul::formats::{self, Format};
 
 /// What `manifest.json` says of a run, the list of files aside.
@@ -60,6 +62,12 @@ impl Libraries {
         nalgebra: env!("COHAUL_NALGEBRA"),
         clarabel: env!("COHAUL_CLARABEL"),
     };
+
+    /// A backend of this program as an engine: rapier in its own version.
+    pub fn engine(kind: BackendKind) -> EngineName {
+        let version = if kind.is_exact() { env!("CARGO_PKG_VERSION") } else { Self::USED.rapier2d };
+        EngineName { name: kind.name().into(), version: Some(version.to_owned()) }
+    }
 }
 
 impl Machine {

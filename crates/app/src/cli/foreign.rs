@@ -1,11 +1,10 @@
 //! Programs of the user as the engines under the verdict.
 
-use std::time::Duration;
-
 use clap::Args;
 
 use super::choice::seconds;
 use super::error::CliError;
+use super::subject::timeout;
 use cohaul::analysis::compare::Settings;
 use cohaul::backend::BackendKind;
 use cohaul::scenario::Scenario;
@@ -26,9 +25,6 @@ pub struct ForeignArgs {
     engine_timeout_s: Option<f64>,
 }
 
-const TIMEOUT_S: f64 = 60.0;
-/// Longest time that can be waited for (s): a year.
-const LONGEST_S: f64 = 3.2e7;
 /// Engine that needs no program.
 const RAPIER: &str = "rapier";
 
@@ -54,7 +50,7 @@ impl ForeignArgs {
         settings: &Settings,
         work: impl FnOnce(&[Engine]) -> Result<T, CliError>,
     ) -> Result<T, CliError> {
-        let timeout = Duration::from_secs_f64(self.engine_timeout_s.unwrap_or(TIMEOUT_S).min(LONGEST_S));
+        let timeout = timeout(self.engine_timeout_s);
         let wrong = |what: String| CliError::Engine(format!("--engine: {what}"));
         let options = settings.at_fixed_step(scenario, BackendKind::Rapier);
         let commands = if self.engine.is_empty() { vec![RAPIER] } else { self.engine.iter().map(String::as_str).collect() };

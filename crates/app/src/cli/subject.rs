@@ -12,6 +12,7 @@ use cohaul::backend::{BackendKind, BackendOptions};
 use cohaul::scenario::Scenario;
 use cohaul_engines::engine::Open;
 use cohaul_engines::{Channel, Engine, Pipe};
+use cohaul_report::manifest::Libraries;
 use cohaul_studies::subject::{Ended, Fresh, Meet, built_in};
 
 #[derive(Args)]
@@ -33,6 +34,11 @@ const TIMEOUT_S: f64 = 60.0;
 /// Longest time that can be waited for (s): a year.
 const LONGEST_S: f64 = 3.2e7;
 
+/// Time that is waited for an answer.
+pub fn timeout(asked_s: Option<f64>) -> Duration {
+    Duration::from_secs_f64(asked_s.unwrap_or(TIMEOUT_S).min(LONGEST_S))
+}
+
 impl SubjectArgs {
     /// Runs `work` with the engine, its name, and whether it has inertia. A program has named
     /// itself on this scenario, which it must take.
@@ -53,10 +59,9 @@ impl SubjectArgs {
             if self.engine_timeout_s.is_some() {
                 return Err(CliError::Usage(format!("--engine-timeout-s: applies to programs, found --engine {}", self.engine)));
             }
-            let name = EngineName { name: kind.name().into(), version: Some(env!("CARGO_PKG_VERSION").to_owned()) };
-            return work(&name, &built_in(kind, self.rapier.options()), kind.has_inertia());
+            return work(&Libraries::engine(kind), &built_in(kind, self.rapier.options()), kind.has_inertia());
         }
-        let timeout = Duration::from_secs_f64(self.engine_timeout_s.unwrap_or(TIMEOUT_S).min(LONGEST_S));
+        let timeout = timeout(self.engine_timeout_s);
         let open = || Ok(Box::new(Pipe::start(&self.engine, timeout)?) as Box<dyn Channel>);
         let open: &Open = &open;
         let options = BackendOptions::new(BackendKind::Rapier, step_s);
