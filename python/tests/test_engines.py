@@ -67,6 +67,20 @@ def test_energy_of_a_released_spring_is_no_fault_of_an_engine():
     assert found.verdicts["energy"]["engine"] == "within", found.verdicts["energy"]
 
 
+def test_engines_side_by_side_are_judged_as_each_alone():
+    scene = ROOT / "scenarios/analytic/slide-spin.json"
+    command = f"{sys.executable} {PINS} --along-slip"
+    found = cohaul.compare(scene, engine=[Pins, "rapier", command])
+    others = {each["engine"]["name"]: each for each in found.other_engines}
+    assert found.tiers["prescribed"]["engine"]["name"] == "pins" and list(others) == ["rapier", "pins (along the slip)"]
+    for alone in (cohaul.compare(scene), cohaul.compare(scene, engine=AlongSlip)):
+        alone = alone.tiers["prescribed"]
+        assert others[alone["engine"]["name"]]["verdicts"] == alone["verdicts"]
+    assert [len(found.trace(name)["x_m"]) for name in ("inertial", "pins", "rapier")] == [101] * 3
+    assert "pins (along the slip)" in found.overview() and "engines side by side" in found.report()
+    assert found._repr_html_().count("<table>") == 3
+
+
 def test_what_an_engine_leaves_out_has_no_numbers():
     found = cohaul.compare(ROOT / "scenarios/analytic/ramp-and-hold.json", engine=Still)
     assert "measures" not in found.verdicts["energy"] and "measures" not in found.verdicts["speed"]
@@ -108,7 +122,13 @@ def test_engines_that_do_not_start_are_refused():
     with pytest.raises(NotImplementedError):
         cohaul.compare(scene, engine=Engine)
     with pytest.raises(TypeError, match="engine: must be a class"):
-        cohaul.compare(scene, engine="pins")
+        cohaul.compare(scene, engine=3)
+    with pytest.raises(TypeError, match="engine: must be a class"):
+        cohaul.compare(scene, engine=[Still, 3])
+    with pytest.raises(ValueError, match="engine: start: must answer each request, found its end"):
+        cohaul.compare(scene, engine="exit 3")
+    with pytest.raises(ValueError, match="engine: must be engines of different names, found still twice"):
+        cohaul.compare(scene, engine=[Still, Still])
     with pytest.raises(ValueError, match="rapier: must be left out"):
         cohaul.compare(scene, engine=Still, rapier={"friction": "box"})
     with pytest.raises(ValueError, match="name: must have 1 to 40 bytes"):

@@ -33,7 +33,7 @@ fn two_calls_print_the_same_and_the_files_are_whole() {
     assert_eq!(one.status.code(), Some(0), "{}", String::from_utf8_lossy(&one.stderr));
     assert_eq!(one.stdout, other.stdout);
     let text = String::from_utf8(one.stdout).unwrap();
-    assert!(text.contains("For a README: cohaul conformance: ") && text.contains("C1 slide"), "{text}");
+    assert!(text.contains("For a README:\ncohaul conformance: ") && text.contains("C1 slide"), "{text}");
     let mut names: Vec<_> = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["conformance.md", "manifest.json", "report.html", "summary.json"]);

@@ -22,6 +22,8 @@ class Pins(Engine):
     name, version = "pins", "1"
 
     def start(self, scene, longest_step_s):
+        if scene["obstacles"]:
+            raise NotImplementedError("obstacles: must be none, which pins do not know")
         self.mass, self.inertia = scene["mass_kg"], scene["inertia_kg_m2"]
         self.supports = [(support["offset_m"], support["slip_limit_n"]) for support in scene["supports"]]
         self.pose, self.twist, self.lost = scene["pose"], scene["twist"], 0.0

@@ -161,7 +161,7 @@ pub fn conformance_text(found: &Conformance, detail: Detail) -> String {
             text += &format!("\n{}\n", wrapped(&asked, 2, WIDTH - 2));
         }
     }
-    text + &format!("\nFor a README: {}\n", found.line)
+    text + &format!("\nFor a README:\n{}\n", wrapped(&found.line, 2, WIDTH - 2))
 }
 
 /// The table as Markdown, to be kept beside an engine.
