@@ -14,8 +14,7 @@ from cohaul.engines import Engine
 
 ROOT = Path(os.environ["COHAUL_ROOT"])
 PINS = ROOT / "crates/engines/examples/pins.py"
-SCENES = ["analytic/ramp-and-hold", "analytic/slide-spin", "analytic/release-jump", "robots/doorway"]
-SCENES = [scene for scene in SCENES if (ROOT / f"scenarios/{scene}.json").exists()]
+SCENES = ["analytic/ramp-and-hold", "analytic/slide-spin", "analytic/release-jump", "paper/four-tips-prescribed"]
 
 sys.path.append(str(PINS.parent))
 from pins import AlongSlip, Pins  # noqa: E402
