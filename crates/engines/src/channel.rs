@@ -42,3 +42,10 @@ impl Complaint {
         self.text.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
+
+/// The beginning of a long text.
+pub(crate) fn shortened(text: &str) -> String {
+    const MOST: usize = 120;
+    let beginning: String = text.chars().take(MOST).collect();
+    if beginning.len() < text.len() { format!("{beginning}...") } else { beginning }
+}

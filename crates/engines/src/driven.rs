@@ -11,7 +11,7 @@ use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::System;
 use cohaul::scenario::Scenario;
 
-use crate::channel::{Channel, Complaint};
+use crate::channel::{Channel, Complaint, shortened};
 use crate::protocol::{Advanced, Request, Started, of_pose};
 use crate::springs::Springs;
 
@@ -190,13 +190,6 @@ fn read<T: DeserializeOwned>(answer: Result<String, String>, call: &str) -> Resu
     let wrong = |error: serde_json::Error, answer: &str| format!("{}, found {}", shortened(&error.to_string()), shortened(answer.trim()));
     let parsed = |answer: String| serde_json::from_str(&answer).map_err(|error| wrong(error, &answer));
     answer.and_then(parsed).map_err(|what| format!("{call}: {what}"))
-}
-
-/// The beginning of a long text.
-fn shortened(text: &str) -> String {
-    const MOST: usize = 120;
-    let beginning: String = text.chars().take(MOST).collect();
-    if beginning.len() < text.len() { format!("{beginning}...") } else { beginning }
 }
 
 impl Backend for Driven {

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::channel::Channel;
+use crate::channel::{Channel, shortened};
 use crate::protocol::Ask;
 use crate::springs::Springs;
 
@@ -19,17 +19,22 @@ const GRACE: Duration = Duration::from_millis(500);
 /// How often it is looked whether the engine still reads what it is sent.
 const LOOK: Duration = Duration::from_millis(20);
 
+/// A line that an engine printed.
+struct Said {
+    line: String,
+    /// Whether it printed more before it was asked again.
+    follows: bool,
+}
+
 /// A running program.
 pub struct Pipe {
     child: Child,
     /// `None` after the last request.
     input: Option<ChildStdin>,
-    lines: Receiver<Result<String, String>>,
+    lines: Receiver<Result<Said, String>>,
     timeout: Duration,
     /// By when the engine must have read what it is being sent; `None` while it is not.
     read_by: Arc<Mutex<Option<Instant>>>,
-    /// Whether a request was sent.
-    is_asked: bool,
 }
 
 impl Pipe {
@@ -49,7 +54,7 @@ impl Pipe {
         let read_by = Arc::default();
         let (group, watched) = (child.id(), Arc::downgrade(&read_by));
         thread::spawn(move || end_if_deaf(group, &watched));
-        Ok(Self { child, input, lines, timeout, read_by, is_asked: false })
+        Ok(Self { child, input, lines, timeout, read_by })
     }
 
     /// Sends a line. An engine that does not read it is ended. One that has ended cannot be written
@@ -64,7 +69,9 @@ impl Pipe {
 
     fn receive(&mut self, deadline: Instant) -> Result<String, String> {
         match self.lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
-            Ok(line) => line,
+            Ok(Ok(Said { line, follows: false })) => Ok(line),
+            Ok(Ok(Said { line, .. })) => Err(format!("must answer each request once, found more behind {}", shortened(line.trim()))),
+            Ok(Err(what)) => Err(what),
             Err(RecvTimeoutError::Timeout) => Err(self.late()),
             Err(RecvTimeoutError::Disconnected) => Err(self.ended(deadline)),
         }
@@ -110,7 +117,7 @@ fn end_if_deaf(group: u32, read_by: &Weak<Mutex<Option<Instant>>>) {
 }
 
 /// Hands on the lines that an engine prints, until it closes its output.
-fn read_lines(output: impl Read, lines: &SyncSender<Result<String, String>>) {
+fn read_lines(output: impl Read, lines: &SyncSender<Result<Said, String>>) {
     let mut output = BufReader::new(output);
     loop {
         let mut line = Vec::new();
@@ -120,7 +127,10 @@ fn read_lines(output: impl Read, lines: &SyncSender<Result<String, String>>) {
             Ok(_) if !line.ends_with(b"\n") && line.len() as u64 >= LONGEST_LINE => {
                 Err(format!("must answer lines of at most {LONGEST_LINE} bytes"))
             }
-            Ok(_) => String::from_utf8(line).map_err(|_| "must answer in UTF-8, found other bytes".to_owned()),
+            Ok(_) => match String::from_utf8(line) {
+                Ok(line) => Ok(Said { line, follows: !output.buffer().is_empty() }),
+                Err(_) => Err("must answer in UTF-8, found other bytes".to_owned()),
+            },
             Err(error) => Err(format!("must answer, found {error}")),
         };
         let is_over = answer.is_err();
@@ -150,10 +160,6 @@ fn end(group: u32) {
 
 impl Channel for Pipe {
     fn exchange(&mut self, line: &str, springs: &Arc<Springs>) -> Result<String, String> {
-        if let (true, Ok(early)) = (self.is_asked, self.lines.try_recv()) {
-            return Err(format!("must answer each request once, found {} before it", early?.chars().take(120).collect::<String>().trim()));
-        }
-        self.is_asked = true;
         let deadline = Instant::now() + self.timeout;
         self.send(line, deadline);
         loop {
