@@ -7,6 +7,7 @@ use crate::chart::scene::{Labelled, Scene};
 use crate::chart::shown::{Quantity, Seen};
 use crate::chart::thin::{self, Column};
 use crate::quantity::quantity;
+use cohaul::backend::BackendKind;
 use cohaul::math::{Pose, Vec2};
 use cohaul::model::Obstacle;
 use cohaul::simulation::{Event, EventKind};
@@ -95,7 +96,7 @@ pub fn trace_entries(traces: &[Labelled]) -> Vec<Entry> {
 
 pub fn pair_entries(traces: &[Labelled]) -> Vec<Entry> {
     let label = |(from, to): (usize, usize)| format!("{} − {}", traces[to].label, traces[from].label);
-    pairs(traces.len()).into_iter().enumerate().map(|(index, pair)| Entry::line(label(pair), Style::of_pair(index))).collect()
+    pairs(traces).into_iter().enumerate().map(|(index, pair)| Entry::line(label(pair), Style::of_pair(index))).collect()
 }
 
 fn moves(scene: &Scene) -> bool {
@@ -138,10 +139,16 @@ pub fn event_entries(traces: &[Labelled]) -> Vec<Entry> {
 }
 
 /// Indices of the traces that are compared: (from, to), all pairs of up to three traces, else each
-/// with the first.
-fn pairs(n_traces: usize) -> Vec<(usize, usize)> {
-    let n_from = if n_traces <= 3 { n_traces } else { 1 };
-    (0..n_from).flat_map(|from| (from + 1..n_traces).map(move |to| (from, to))).collect()
+/// with the first. Of several engines after the exact runs, each is compared with the inertial one.
+fn pairs(traces: &[Labelled]) -> Vec<(usize, usize)> {
+    let n = traces.len();
+    let [quasi_static, inertial, _] = BackendKind::COMPARED.map(BackendKind::name);
+    let are_engines = n > 3 && traces[0].label == quasi_static && traces[1].label == inertial;
+    match n {
+        ..=3 => (0..n).flat_map(|from| (from + 1..n).map(move |to| (from, to))).collect(),
+        _ if are_engines => [(0, 1)].into_iter().chain((2..n).map(|engine| (1, engine))).collect(),
+        _ => (1..n).map(|to| (0, to)).collect(),
+    }
 }
 
 fn of_rows(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, quantity: Quantity) -> Panel {
@@ -161,7 +168,7 @@ fn of_pairs(traces: &[Labelled], y_label: &str, from_start: impl Fn(&Pose, &Pose
     let rounding = ROUNDING * poses.map(|(pose, start)| from_start(&pose, &start)).fold(0.0, f64::max);
     let mut panel = Panel::new("time (s)", y_label, Scale::Log);
     panel.mark_events(traces.iter().map(|one| &one.trace.events[..]));
-    for (index, (from, to)) in pairs(traces.len()).into_iter().enumerate() {
+    for (index, (from, to)) in pairs(traces).into_iter().enumerate() {
         let differences = difference::over_time(traces[from].trace, traces[to].trace);
         let seen = |one: &Difference| if y(one) <= rounding { 0.0 } else { y(one) };
         let points = differences.iter().map(|one| [one.time, seen(one)]).collect();
