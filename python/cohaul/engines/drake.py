@@ -17,6 +17,10 @@ from pydrake.systems.framework import DiagramBuilder
 
 from ._planar import Planar
 
+SETTLING_STEPS = 100
+MOST_PRESSED = 4e5
+"""Force on a foot of usual inertia, in units of the load's mass and radius and of seconds (1)."""
+
 
 class Drake(Planar):
     """Drake with the SAP solver and stiff feet, without obstacles.
@@ -38,13 +42,20 @@ class Drake(Planar):
         # The units are the load's mass and radius: Drake's solver fails at grams and millimetres.
         self.mass, self.length = scene["mass_kg"], scene["radius_m"]
         self.inertia = scene["inertia_kg_m2"] / self.mass / self.length**2
-        self.supports = [np.array([*support["offset_m"], 0.0]) / self.length for support in scene["supports"]]
-        limits = np.array([support["slip_limit_n"] for support in scene["supports"]])
+        supports = [support for support in scene["supports"] if support["slip_limit_n"] > 0.0]
+        self.supports = [np.array([*support["offset_m"], 0.0]) / self.length for support in supports]
+        limits = np.array([support["slip_limit_n"] for support in supports])
         self.press = -limits / self.foot_friction / self.mass / self.length
+        # Feet that are pressed more have more inertia and stiffness: they would fall through the ground.
+        self.firmness = max([1.0, *(-self.press / MOST_PRESSED)])
         self.units = np.array([self.length, self.length, 1.0])
-        feet = np.zeros(len(limits))
-        self.q, self.v = (np.array([*scene[key] / self.units, *feet]) for key in ("pose", "twist"))
+        # The feet settle: lagged friction is that of a foot that was pressed before.
+        self.q, self.v = np.zeros(3 + len(limits)), np.zeros(3 + len(limits))
         self.plants: dict[float, Any] = {}
+        for _ in range(SETTLING_STEPS):
+            self.moved(longest_step_s, np.zeros(3))
+        self.q[:3], self.v[:] = scene["pose"] / self.units, 0.0
+        self.v[:3] = scene["twist"] / self.units
 
     def built(self, h: float) -> Any:
         """A plant has the same step at all times: there is one for each step."""
@@ -53,6 +64,8 @@ class Drake(Planar):
             plant, _ = AddMultibodyPlantSceneGraph(builder, h)
             plant.SetUseSampledOutputPorts(False)
             plant.set_discrete_contact_approximation(self.approximation)
+            # Drake softens stiff contacts by the mass in the plane, so that light loads would sink in.
+            plant.set_sap_near_rigid_threshold(0.0)
             plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
             load = plant.AddRigidBody("load", _inertia(1.0, self.inertia))
             plant.AddJoint(PlanarJoint("plane", plant.world_frame(), load.body_frame(), np.zeros(3)))
@@ -65,7 +78,7 @@ class Drake(Planar):
                 body = plant.AddRigidBody(f"foot {at}", _inertia(1e-6, 1e-6))
                 root = plant.AddFrame(FixedOffsetFrame(f"root {at}", load.body_frame(), RigidTransform(offset)))
                 leg = plant.AddJoint(PrismaticJoint(f"leg {at}", root, body.body_frame(), [0, 0, 1]))
-                plant.AddJointActuator(f"motor {at}", leg).set_default_rotor_inertia(1.0)
+                plant.AddJointActuator(f"motor {at}", leg).set_default_rotor_inertia(self.firmness)
                 plant.RegisterCollisionGeometry(body, RigidTransform(), Sphere(1.0), f"foot {at}", self.surface())
             plant.Finalize()
             diagram = builder.Build()
@@ -76,15 +89,21 @@ class Drake(Planar):
     def surface(self) -> Any:
         properties = ProximityProperties()
         friction = CoulombFriction(self.foot_friction, self.foot_friction)
-        AddContactMaterial(point_stiffness=self.stiffness, friction=friction, properties=properties)
+        AddContactMaterial(point_stiffness=self.stiffness and self.firmness * self.stiffness, friction=friction, properties=properties)
+        # With Drake's own relaxation time, 0.1 s, the feet would sink in deeply.
+        properties.AddProperty("material", "relaxation_time", 0.0)
         return properties
 
     def step(self, h: float, share: float) -> None:
+        wrench = np.array(self.wrench(self.load_pose(), self.load_twist(), share))
+        self.moved(h, wrench / self.mass / self.length / [1.0, 1.0, self.length])
+
+    def moved(self, h: float, wrench: Any) -> None:
+        """One step under a wrench in the units of the plant."""
         diagram, plant, root, context = self.built(h)
         plant.SetPositions(context, self.q)
         plant.SetVelocities(context, self.v)
-        wrench = np.array(self.wrench(self.load_pose(), self.load_twist(), share))
-        force = np.array([*wrench / self.mass / self.length / [1.0, 1.0, self.length], *self.press])
+        force = np.array([*wrench, *self.press])
         plant.get_applied_generalized_force_input_port().FixValue(context, force)
         plant.get_actuation_input_port().FixValue(context, np.zeros(len(self.press)))
         root.SetDiscreteState(diagram.EvalUniquePeriodicDiscreteUpdate(root))

@@ -52,7 +52,8 @@ class MuJoCo(Planar):
         plane.pos = [0, 0, -2.0 * height]
         for support in supports:
             # A foot has next to no mass in the plane; what is lifted with it is inertia of its joint.
-            foot = {"mass": 1e-6 * mass, "inertia": [1e-6 * inertia] * 3, "explicitinertial": True}
+            # MuJoCo refuses moments of inertia below 1e-15.
+            foot = {"mass": 1e-6 * mass, "inertia": [max(1e-6 * inertia, 2e-15)] * 3, "explicitinertial": True}
             body = load.add_body(pos=[*support["offset_m"], -height], **foot)
             body.add_joint(type=mj.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1], armature=self.lifted * mass / len(supports))
             sole = {"contype": 0, "conaffinity": 1, "priority": 1, "friction": [self.foot_friction, 0, 0], **self.feet}
