@@ -30,10 +30,10 @@ def heat_map(titles: list[str], shares: dict[str, list[float | None]]) -> str:
 
 def work_precision(curves: Curves) -> str:
     """Path error over CPU time, a panel for each scene."""
-    wide, high, gap, left, top = 300, 300, 40, 70, 40
+    wide, high, gap, left, top = 300, 300, 40, 85, 40
     every = [point for of_scene in curves.values() for points in of_scene.values() for point in points]
     (x_low, x_high), (y_low, y_high) = (_decades([point[at] for point in every]) for at in (0, 1))
-    parts, names = [], sorted({name for of_scene in curves.values() for name in of_scene})
+    parts, names = [], sorted({name for of_scene in curves.values() for name, points in of_scene.items() if points})
     for panel, (scene, of_scene) in enumerate(curves.items()):
         x0 = left + panel * (wide + gap)
 
@@ -52,6 +52,8 @@ def work_precision(curves: Curves) -> str:
             if panel == 0:
                 parts.append(_text(x0 - 6, y + 4, _percent(10.0**decade), "end"))
         for name, points in sorted(of_scene.items()):
+            if not points:
+                continue
             colour, places = COLOURS[names.index(name) % len(COLOURS)], [place(*point) for point in points]
             line = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
             parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="1.5"/>')

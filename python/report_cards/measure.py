@@ -44,8 +44,8 @@ def on_scene(card: Card, given: cohaul.Scenario, step_s: float) -> dict[str, Any
     try:
         found = cohaul.compare(given, engine=card.engine, step_s=step_s, rapier=card.rapier or None, tiers="prescribed")
     except Exception as error:  # Whatever an engine does wrong is a row of the table.
-        said = str(error)
-        return {"outcome": "refused" if "NotImplementedError" in said else "failed", "why": said.splitlines()[-1][:300]}
+        outcome = "refused" if isinstance(error, NotImplementedError) else "failed"
+        return {"outcome": outcome, "why": (str(error) or type(error).__name__).splitlines()[-1][:300]}
     tier = found.tiers["prescribed"]
     path = found.verdicts["path"]
     return {

@@ -38,10 +38,10 @@ SETTINGS = {
     "PymunkAlongSlip": "As pymunk, with a pin joint along the slip at each support.",
     "Box2DDefaults": "Clamped friction joints, SI units, 8 velocity and 3 position iterations.",
     "Box2D": "The same joints. The load has a radius of 10 units and a mass of 1; 50 and 20 iterations.",
-    "MuJoCoDefaults": "Pressed feet, pyramidal cones, impratio 1, constraints of 20 ms.",
-    "MuJoCo": "Pressed feet, elliptic cones, impratio 1e6, feet of two and obstacles of five steps, 200 iterations.",
-    "DrakeDefaults": "Pressed feet, the lagged approximation, contact stiffness of Drake's own.",
-    "Drake": "Pressed feet, the SAP approximation, feet of 1e8.",
+    "MuJoCoDefaults": "Pressed feet, pyramidal cones, impratio 1, `solref` of 20 ms.",
+    "MuJoCo": "Pressed feet, elliptic cones, impratio 1e6, `solref` of two steps for feet and five for obstacles, 200 iterations.",
+    "DrakeDefaults": "Pressed feet, the lagged approximation, Drake's own contact stiffness.",
+    "Drake": "Pressed feet, the SAP approximation, contact stiffness 1e8, relaxation time 0, near-rigid threshold 0.",
 }
 
 
@@ -54,8 +54,8 @@ def cards() -> list[Card]:
             found.append(Card(make.name, engines.ADAPTERS[name], make, settings))  # type: ignore[attr-defined]
     return [
         *found,
-        Card("rapier (defaults)", "", "rapier", "Friction joints; rapier's own settings.", {"settings": "engine-defaults"}),
-        Card("rapier", "", "rapier", "The settings that cohaul recommends: one substep with 24 or 48 sweeps, rigid contacts."),
+        Card("rapier (defaults)", "", "rapier", "Friction joints with a box of friction, four substeps, soft contacts of 60 Hz.", {"settings": "engine-defaults"}),
+        Card("rapier", "", "rapier", "Friction joints along the slip, one substep with 24 or 48 sweeps, rigid contacts: what cohaul recommends."),
         Card("cohaul inertial", "", "inertial", "The reference model itself, at the same fixed steps."),
     ]
 
@@ -97,7 +97,7 @@ class Advice:
 
 def advice() -> list[Advice]:
     """Changes for the engines that are installed."""
-    found = [Advice("rapier", "one substep with 24 sweeps, rigid contacts, friction against the slip",
+    found = [Advice("rapier", "one substep with 24 sweeps, rigid contacts and friction along the slip",
                     "rapier", "rapier", ("path", "contact/post-arc"), {"settings": "engine-defaults"})]  # fmt: skip
     if pymunk := _adapter("Pymunk"):
         defaults, along = _adapter("PymunkDefaults"), _adapter("PymunkAlongSlip")
