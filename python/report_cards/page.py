@@ -96,7 +96,7 @@ def _page(cards: dict[str, Any], manifest: dict[str, Any], scenes: list[str], ti
         "Each point is a run of 1 s of simulated time, at steps of 4, 2, 1 and 0.5 ms. The path round the post has a corner every 2 ms, "
         "which cuts the longest steps. The time is CPU time of one thread around the "
         "adapter's step, as Python's `time.thread_time` has it, without that of the springs, which cohaul computes. It holds the "
-        "adapter's own Python, which is most of it for the small engines: engines called from C are faster. rapier and the inertial "
+        "adapter's own Python, which is most of it for the small engines. Engines called from C are faster. rapier and the inertial "
         "backend run inside cohaul, and their time is that of the whole process, with springs and all. The build of cohaul was "
         f"{manifest['build']}, which makes these two slower. Times are the least of three alternating rounds on a noisy machine and are kept apart in "
         "`times.json`: read factors of two at most."
