@@ -79,7 +79,11 @@ def _fault(quantity: str, verdict: dict[str, Any] | None) -> str | None:
         return f"{quantity}: not compared; the engine does not compute it, or the scene does not have it"
     if verdict["engine"] == "within":
         return None
-    unit, decided = verdict.get("unit", ""), verdict.get("decided_by", f"the {quantity}")
+    unit, decided = verdict.get("unit", ""), f"the {quantity}"
+    if verdict.get("measures"):
+        # The number that is worst for the engine need not be the one that decides on inertia.
+        verdict = {**verdict, **max(verdict["measures"], key=lambda of: of["engine_error"] / of["tolerance"])}
+        decided = verdict["name"]
     numbers = [f"{name.replace('_', ' ')} {_shown(verdict, name, unit)}" for name in ("engine_error", "tolerance", "reference_error")]
     parts = verdict.get("parts", {})
     split = [f"{name.replace('_', ' ')} {_shown(parts, name, unit)}" for name in ("time_step", "engine_model") if name in parts]

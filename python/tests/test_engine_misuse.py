@@ -10,6 +10,7 @@ import itertools
 import json
 import math
 import random
+import signal
 import subprocess
 import sys
 import time
@@ -350,3 +351,15 @@ def test_a_long_message_is_shortened(scene, tmp_path):
     (tmp_path / "wild.py").write_text("import json; input(); print(json.dumps({'name': 'wild', 'x' * 10**6: 1}), flush=True); input()")
     ran = subprocess.run([str(PROGRAM), "compare", str(scene), "--engine", f"{sys.executable} {tmp_path / 'wild.py'}"], capture_output=True)
     assert ran.returncode == 1 and len(ran.stderr) < 2000, ran.stderr[:300]
+
+
+def test_engines_end_with_a_comparison_that_is_interrupted(scene, tmp_path):
+    """An engine that does not come back to its input does not see that nobody asks."""
+    (tmp_path / "wild.py").write_text("import time; input(); print('{\"name\": \"wild\"}', flush=True); input(); time.sleep(73.5)")
+    command = [str(PROGRAM), "compare", str(scene), "--engine", f"{sys.executable} {tmp_path / 'wild.py'}"]
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL) as running:
+        time.sleep(2.0)
+        running.send_signal(signal.SIGINT)
+        assert running.wait(timeout=30) == 130
+    left = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True).stdout
+    assert str(tmp_path / "wild.py") not in left

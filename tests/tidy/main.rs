@@ -37,7 +37,7 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 6] = [
     ("src", 39_940),
-    ("crates/engines/src", 1_060),
+    ("crates/engines/src", 1_080),
     ("crates/report/src", 8_750),
     ("crates/studies/src", 21_340),
     ("crates/paper/src", 9_650),

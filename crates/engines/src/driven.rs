@@ -176,7 +176,9 @@ fn check_words(key: &str, words: &str) -> Result<(), String> {
     match words.len() {
         n if words.trim().is_empty() || n > LONGEST_NAME => Err(format!("{key}: must have 1 to {LONGEST_NAME} bytes, found {n}")),
         _ if words.chars().any(char::is_control) => Err(format!("{key}: must have no control characters, found {words:?}")),
-        _ if matches!(words, "quasi-static" | "inertial") => Err(format!("{key}: must differ from the other runs, found {words}")),
+        _ if matches!(words, "quasi-static" | "inertial" | "rapier") => {
+            Err(format!("{key}: must differ from the other runs, found {words}"))
+        }
         _ => Ok(()),
     }
 }

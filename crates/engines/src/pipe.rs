@@ -16,6 +16,18 @@ const LONGEST_LINE: u64 = 16 << 20;
 /// How long an engine may take to end by itself after its last request.
 const GRACE: Duration = Duration::from_millis(500);
 
+/// Groups of programs that run.
+static RUNNING: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+
+/// Ends all engines that run, for a program that ends at once itself.
+pub fn end_all() {
+    running().drain(..).for_each(end);
+}
+
+fn running() -> MutexGuard<'static, Vec<u32>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// How often it is looked whether the engine still reads what it is sent.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -53,6 +65,7 @@ impl Pipe {
         thread::spawn(move || read_lines(output, &sender));
         let read_by = Arc::default();
         let (group, watched) = (child.id(), Arc::downgrade(&read_by));
+        running().push(group);
         thread::spawn(move || end_if_deaf(group, &watched));
         Ok(Self { child, input, lines, timeout, read_by })
     }
@@ -177,7 +190,9 @@ impl Drop for Pipe {
         self.send("{\"call\":\"end\"}", deadline);
         self.input = None;
         self.wait_until(deadline);
-        end(self.child.id());
+        let group = self.child.id();
+        running().retain(|other| *other != group);
+        end(group);
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -17,7 +17,7 @@ use crate::math::Pose;
 /// How an engine converges with its step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Convergence {
-    /// Measured order; `None` where the paths at all steps are equal.
+    /// Measured order; `None` where the paths at all steps are equal, or do not converge.
     pub order: Option<f64>,
     /// Distance of the finest of three values from the limit, over its distance from the second
     /// (1).
@@ -47,12 +47,13 @@ impl Convergence {
         if first == 0.0 && second == 0.0 {
             return Self::default();
         }
-        let order = (first / second).log2().clamp(ORDERS[0], ORDERS[1]);
+        let measured = (first / second).log2();
+        let order = measured.clamp(ORDERS[0], ORDERS[1]);
         if (order - 1.0).abs() <= ORDER_ERROR {
             return Self { order: Some(order), ..Self::default() };
         }
         let doubt = reach(order - ORDER_ERROR) - reach(order);
-        Self { order: Some(order), reach: reach(order), doubt: doubt.max(1.0) }
+        Self { order: Some(order).filter(|_| measured >= ORDERS[0]), reach: reach(order), doubt: doubt.max(1.0) }
     }
 
     /// The limit of poses at three steps, and its error.
@@ -145,7 +146,7 @@ mod tests {
         let values = [0.1, 0.2, 0.4];
         let found = convergence(values);
         let (_, error) = found.of_numbers(values);
-        assert!(found.order == Some(ORDERS[0]) && error > 10.0 * 0.2, "{error}");
+        assert!(found.order.is_none() && error > 10.0 * 0.2, "{error}");
         // Equal at the two finest steps by chance.
         let (limit, error) = Convergence::of(0.1, 0.0).of_numbers([0.1, 0.2, 0.2]);
         assert!(limit == 0.2 && error > 0.005, "{limit} {error}");

@@ -39,7 +39,7 @@ pub struct Pathwise {
     /// Part of the engine error that vanishes with the step: engine minus its own limit.
     pub time_step_error: Difference,
     /// Measured power of the step with which that part falls; `null` where it is less than a
-    /// thousandth of the tolerance.
+    /// thousandth of the tolerance, or does not fall.
     pub time_step_order: Option<f64>,
     /// Part of the engine error that does not vanish: the limit of the engine minus inertial.
     pub model_error: Difference,
@@ -190,9 +190,11 @@ impl Pathwise {
         let by_inertia = self.causes.contains(&Cause::Inertia) && moves_without_inertia;
         let mut changes = if by_inertia { differences.against_inertia(&largest.by_trigger, &self.predicted, &mode) } else { Vec::new() };
         if self.causes.iter().any(|cause| cause.is_of_engine()) {
-            changes.push(match self.causes.contains(&Cause::Engine) {
-                true => SuggestedChange::MoreHalvings { halvings: settings.halvings + 2 },
-                false => differences.against_engine(self.solutions[2].step_s.unwrap_or_default(), self.time_step_order),
+            changes.extend(match (self.causes.contains(&Cause::Engine), self.time_step_order) {
+                (true, Some(_)) => Some(SuggestedChange::MoreHalvings { halvings: settings.halvings + 2 }),
+                // An engine that does not converge has no limit to be found.
+                (true, None) => None,
+                (false, order) => Some(differences.against_engine(self.solutions[2].step_s.unwrap_or_default(), order)),
             });
         }
         changes

@@ -61,7 +61,7 @@ pub struct CompareArgs {
     /// Scenarios of tips have prescribed; scenarios of ants have replayed and closed-loop.
     #[arg(long, value_parser = choice::<Tier>())]
     tier: Vec<Tier>,
-    /// First time step of rapier, which is halved; closed loop: longest step of all (s)
+    /// First time step of the engine, which is halved; closed loop: longest step of all (s)
     #[arg(long, value_name = "H", value_parser = seconds, hide_short_help = true)]
     step_s: Option<f64>,
     /// Halvings of the engine's step, which tell time step from model [default: 2]

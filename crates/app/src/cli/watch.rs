@@ -37,12 +37,18 @@ pub fn catch_interrupts() {
     HANDLER.get_or_init(|| {
         let handler = || {
             if INTERRUPTED.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
+                end_at_once();
             }
             thread::spawn(end_the_work);
         };
         ctrlc::set_handler(handler).is_ok()
     });
+}
+
+/// Ends the program, and the engines that it has started.
+fn end_at_once() -> ! {
+    cohaul_engines::pipe::end_all();
+    std::process::exit(130);
 }
 
 /// What follows the first interrupt.
@@ -53,7 +59,7 @@ fn end_the_work() {
     thread::sleep(all - TO_END_A_PIECE);
     if !ENDS.load(Ordering::Relaxed) {
         console::note(CliError::Interrupted);
-        std::process::exit(130);
+        end_at_once();
     }
 }
 

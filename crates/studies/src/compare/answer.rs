@@ -212,7 +212,7 @@ fn engine_sentence(found: &Pathwise) -> String {
     let open = list(&open.map(|(name, _)| in_general(name).to_owned()).collect::<Vec<_>>());
     let on_path = short_quantity(found.edge_displacement.engine_error_m, "m");
     let sentence = match (exceeds.is_empty(), open.is_empty()) {
-        (true, true) => format!("{of_engine} is within all tolerances ({on_path} on the path)"),
+        (true, true) => format!("{of_engine} is within all tolerances ({on_path} on the path){}", cancelling(found)),
         (true, false) => format!("{of_engine} is too close to the tolerance to decide for {open}"),
         (false, true) => format!("{of_engine} exceeds the tolerance for {exceeds}{}", by_engine(found)),
         (false, false) => {
@@ -221,6 +221,17 @@ fn engine_sentence(found: &Pathwise) -> String {
         }
     };
     format!("{sentence}.")
+}
+
+/// The parts of an engine error on the path that each exceed the tolerance and cancel, in words.
+fn cancelling(found: &Pathwise) -> String {
+    let parts = [&found.time_step_error, &found.model_error].map(|error| error.edge_displacement_max_m);
+    let least = found.tolerance_m + found.reference_error.engine.edge_displacement_max_m;
+    if parts.iter().any(|part| *part <= least) {
+        return String::new();
+    }
+    let [step, model] = parts.map(|part| short_quantity(part, "m"));
+    format!(", but its time step ({step}) and its model ({model}) cancel at this step")
 }
 
 /// What causes the engine error, in words.
