@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 /// How large a relative error is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Grade {
-    /// Rounding: at most [`ROUNDING`].
+    /// Rounding: at most 1e-9.
     #[serde(rename = "exact")]
     Exact,
-    /// At most [`ONE_PERCENT`].
+    /// At most 0.01.
     #[serde(rename = "to 1 %")]
     OnePercent,
-    /// At most [`TEN_PERCENT`].
+    /// At most 0.1.
     #[serde(rename = "to 10 %")]
     TenPercent,
     #[serde(rename = "beyond")]
