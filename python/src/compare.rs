@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
 use cohaul::analysis::compare::{Pathwise, Settings, ThreeWay, Tier};
-use cohaul::backend::{BackendKind, BackendOptions};
+use cohaul::backend::BackendKind;
 use cohaul::formats::stamped;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::Controller;
@@ -128,12 +128,8 @@ fn all(
     let (mut found, mut others, n_parts) = (Tiers::default(), Vec::new(), (tiers.len() * engines.len()) as f64);
     for (at, tier) in tiers.iter().enumerate() {
         let paths = |nth: usize, beside: Option<&Pathwise>| {
-            let engine = &engines[nth];
-            let make = |scenario: &Scenario, options: &BackendOptions| engine.backend(scenario, options);
-            let runs = runs.engine(&make).named(engine.name());
-            let runs = beside.map_or(runs, |first| runs.beside(first));
             let watch = |share: f64| are_well() && watch.go_on(((at * engines.len() + nth) as f64 + share) / n_parts);
-            if *tier == Tier::Prescribed { runs.prescribed(watch) } else { runs.replayed(watch) }
+            engines[nth].paths(runs, *tier, beside, watch)
         };
         if *tier == Tier::ClosedLoop {
             found.closed_loop = Some(runs.closed_loop(n_seeds, |share| are_well() && watch.go_on((at as f64 + share) / n_parts))?);

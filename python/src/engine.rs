@@ -1,7 +1,6 @@
 //! Engines in the place of rapier: classes in Python, commands, or rapier beside them.
 
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul_engines::{Channel, Pipe, Springs};
@@ -14,9 +13,6 @@ pub enum Asked {
     Command(String),
     Written(Arc<Written>),
 }
-
-/// Longest time that a command may take to answer.
-const TIMEOUT: Duration = Duration::from_secs(60);
 
 impl Asked {
     /// Of `"rapier"`, of a command, or of a function that makes engines.
@@ -38,7 +34,7 @@ impl Asked {
     pub fn open(&self) -> Result<Box<dyn Channel>, String> {
         match self {
             Self::Rapier => unreachable!("rapier has no channel"),
-            Self::Command(command) => Ok(Box::new(Pipe::start(command, TIMEOUT)?)),
+            Self::Command(command) => Ok(Box::new(Pipe::start(command, Pipe::PATIENCE)?)),
             Self::Written(written) => written.open(),
         }
     }

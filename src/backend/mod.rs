@@ -22,6 +22,7 @@ pub mod springs;
 mod stepping;
 mod tandem;
 mod tolerance;
+mod unmoved;
 mod wrapped;
 
 pub use default_step::{default_step, step_of};
@@ -39,6 +40,7 @@ pub use shared::Shared;
 pub use springs::{AttachedTip, AttachedTips};
 pub use stepping::{Stepping, n_steps_in};
 pub use tolerance::Tolerance;
+pub use unmoved::Unmoved;
 pub use wrapped::{Hook, Wrapped};
 
 use crate::model::System;

@@ -62,8 +62,10 @@ fn engines_side_by_side_share_the_exact_paths() {
     assert!(report.contains("engines side by side"));
     let overview = std::fs::read_to_string(out.join("overview-prescribed.svg")).unwrap();
     assert!(overview.contains("still") && overview.contains("rapier"));
-    let (output, _) = compare(&still, &["--engine", "rapier"]);
+    let long = still.replace("still", "an engine whose name is a long one");
+    let (output, _) = compare(&still, &["--engine", "rapier", "--engine", &long]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("\n  an engine whose name is a long one\n"), "{text}");
     assert!(text.contains("Engine error") && text.lines().all(|line| line.chars().count() <= 80), "{text}");
     // Two of one name cannot be told apart.
     let (output, _) = compare(&still, &["--engine", &still]);

@@ -28,7 +28,7 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
     &["friction", "springs"],
     &["increment"],
     &["contact", "shortcuts"],
-    &["interface", "shared", "wrapped"],
+    &["interface", "shared", "unmoved", "wrapped"],
     &["exact", "options", "rapier", "stepping", "tolerance"],
     &["default_step", "tandem"],
 ];
@@ -36,8 +36,8 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 6] = [
-    ("src", 39_940),
-    ("crates/engines/src", 1_080),
+    ("src", 39_990),
+    ("crates/engines/src", 1_070),
     ("crates/report/src", 8_750),
     ("crates/studies/src", 21_340),
     ("crates/paper/src", 9_650),

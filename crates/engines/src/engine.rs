@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use cohaul::analysis::compare::{EngineName, ThreeWay};
-use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, Status, StepReport};
-use cohaul::math::Vec2;
+use cohaul::analysis::compare::{EngineName, Pathwise, ThreeWay, Tier};
+use cohaul::backend::{Backend, BackendOptions, Unmoved};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::backend_of;
 
@@ -80,39 +79,18 @@ impl<'a> Engine<'a> {
             Ok((driven, _)) => Box::new(driven),
             Err(what) => {
                 self.complaint.make(format!("{}: {what}", self.name.name));
-                Box::new(Broken { motion: scenario.start })
+                Box::new(Unmoved(scenario.start))
             }
         }
     }
-}
 
-/// A run that has not started.
-struct Broken {
-    motion: Motion,
-}
-
-impl Backend for Broken {
-    fn attach(&mut self, _: usize, _: Vec2) {}
-
-    fn release(&mut self, _: usize) {}
-
-    fn advance(&mut self, _: &[Vec2], _: f64) -> StepReport {
-        StepReport { status: Status::Failed, ..StepReport::default() }
-    }
-
-    fn motion(&self) -> Motion {
-        self.motion
-    }
-
-    fn tip(&self, _: usize) -> Option<Vec2> {
-        None
-    }
-
-    fn pull(&self, _: usize) -> Vec2 {
-        Vec2::zeros()
-    }
-
-    fn energy(&self) -> EnergyLedger {
-        EnergyLedger::default()
+    /// Compares the paths of the engine in a tier of paths, beside the exact ones of `another`
+    /// engine's if there is one; `None` when `watch`, which gets the share done (1), said no.
+    pub fn paths(&self, runs: ThreeWay, tier: Tier, another: Option<&Pathwise>, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+        let make = |scenario: &Scenario, options: &BackendOptions| self.backend(scenario, options);
+        let runs = runs.engine(&make).named(&self.name);
+        let runs = another.map_or(runs, |another| runs.beside(another));
+        let watch = |share: f64| watch(share) && self.is_well();
+        if tier == Tier::Prescribed { runs.prescribed(watch) } else { runs.replayed(watch) }
     }
 }

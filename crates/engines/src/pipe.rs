@@ -50,6 +50,9 @@ pub struct Pipe {
 }
 
 impl Pipe {
+    /// Time that is waited for an answer unless another is asked for.
+    pub const PATIENCE: Duration = Duration::from_secs(60);
+
     /// Starts a command of a shell. An answer may take as long as `timeout`.
     ///
     /// # Errors

@@ -1,8 +1,7 @@
 //! An engine that a study asks: made anew for each run, so that what is wrong in one run says
 //! nothing of the next.
 
-use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Motion, RapierOptions, Status, StepReport};
-use cohaul::math::Vec2;
+use cohaul::backend::{Backend, BackendKind, BackendOptions, RapierOptions};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::backend_of;
 
@@ -35,34 +34,5 @@ pub fn built_in(kind: BackendKind, rapier: RapierOptions) -> impl Fn(&Scenario, 
     move |scenario, options| {
         let options = BackendOptions { kind, rapier, ..*options };
         Ok(Fresh { backend: backend_of(scenario, &options), complaint: Box::new(|| None) })
-    }
-}
-
-/// A run that has not started, in the place of one that could not.
-pub struct Unmoved(pub Motion);
-
-impl Backend for Unmoved {
-    fn attach(&mut self, _: usize, _: Vec2) {}
-
-    fn release(&mut self, _: usize) {}
-
-    fn advance(&mut self, _: &[Vec2], _: f64) -> StepReport {
-        StepReport { status: Status::Failed, ..StepReport::default() }
-    }
-
-    fn motion(&self) -> Motion {
-        self.0
-    }
-
-    fn tip(&self, _: usize) -> Option<Vec2> {
-        None
-    }
-
-    fn pull(&self, _: usize) -> Vec2 {
-        Vec2::zeros()
-    }
-
-    fn energy(&self) -> EnergyLedger {
-        EnergyLedger::default()
     }
 }

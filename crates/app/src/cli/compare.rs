@@ -24,7 +24,7 @@ use cohaul::analysis::compare::{
     ClosedLoop, InertiaAnswer, MeasureVerdict, Pathwise, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict,
 };
 use cohaul::analysis::{DEFAULT_SEEDS, ExpectedCost};
-use cohaul::backend::{BackendKind, BackendOptions, Skip, Skips};
+use cohaul::backend::{BackendKind, Skip, Skips};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul_engines::Engine;
 use cohaul_report::json;
@@ -350,16 +350,9 @@ fn paths(
     [time_s, whole_s]: [f64; 2],
 ) -> Result<Pathwise, CliError> {
     let compared = |engine: &Engine, beside: Option<&Pathwise>| {
-        let make = |scenario: &Scenario, options: &BackendOptions| engine.backend(scenario, options);
-        let runs = runs.engine(&make).named(engine.name());
-        let runs = beside.map_or(runs, |first| runs.beside(first));
         let label = if engines.len() > 1 { format!("{}, {}", list(&[tier]), engine.name().name) } else { list(&[tier]) };
         let progress = Progress::of_share(&label).expecting(time_s).as_part_of(whole_s);
-        let found = watched_by(progress, |watch| {
-            let goes_on = |share: f64| watch(share) && engine.is_well();
-            if tier == Tier::Prescribed { runs.prescribed(goes_on) } else { runs.replayed(goes_on) }
-        });
-        found.ok_or(CliError::Interrupted)
+        watched_by(progress, |watch| engine.paths(runs, tier, beside, watch)).ok_or(CliError::Interrupted)
     };
     let first = compared(&engines[0], None)?;
     for engine in &engines[1..] {

@@ -30,13 +30,12 @@ pub struct SubjectArgs {
     rapier: EngineArgs,
 }
 
-const TIMEOUT_S: f64 = 60.0;
 /// Longest time that can be waited for (s): a year.
 const LONGEST_S: f64 = 3.2e7;
 
 /// Time that is waited for an answer.
 pub fn timeout(asked_s: Option<f64>) -> Duration {
-    Duration::from_secs_f64(asked_s.unwrap_or(TIMEOUT_S).min(LONGEST_S))
+    asked_s.map_or(Pipe::PATIENCE, |asked| Duration::from_secs_f64(asked.min(LONGEST_S)))
 }
 
 impl SubjectArgs {

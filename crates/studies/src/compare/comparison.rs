@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::compare::answer;
 use crate::compare::beside::Beside;
-use cohaul::analysis::compare::{ClosedLoop, EngineName, Pathwise, Settings, Tier, Verdict};
+use cohaul::analysis::compare::{ClosedLoop, Pathwise, Settings, Verdict};
 use cohaul::formats::{self, Format, Versioned};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Health, Trace};
@@ -120,11 +120,5 @@ impl Tiers {
     /// Comparisons of paths: prescribed, then replayed.
     pub fn pathwise(&self) -> impl Iterator<Item = &Pathwise> {
         [&self.prescribed, &self.replayed].into_iter().flatten()
-    }
-
-    /// Name of the engine in a tier that was compared.
-    pub fn engine(&self, tier: Tier) -> Option<&EngineName> {
-        let of_paths = self.pathwise().find(|found| found.tier == tier).map(|found| &found.engine);
-        of_paths.or(self.closed_loop.as_ref().filter(|found| found.tier == tier).map(|found| &found.engine))
     }
 }

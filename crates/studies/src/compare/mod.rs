@@ -9,3 +9,4 @@ pub mod files;
 pub mod page;
 pub mod side_by_side;
 pub mod text;
+mod words;

@@ -1,21 +1,33 @@
 //! Several engines side by side, on the same scene and the same exact paths.
 
 use crate::compare::answer::words_of;
+use crate::compare::words::{WORDS, wrapped};
 use cohaul::analysis::compare::{EngineAnswer, Pathwise, QuantityVerdict};
 use cohaul_report::page::Block;
 use cohaul_report::quantity::of_run::short_quantity;
 use cohaul_report::quantity::short;
 use cohaul_report::table::Table;
 
+/// Columns for a name.
+const NAME: usize = 20;
+
 /// A line for each engine: its errors on the path, and what is not within its tolerance.
 pub fn text(found: &[&Pathwise]) -> String {
     let row = |[name, path, step, order, model, beyond]: [&str; 6]| {
-        format!("{}\n", format!("{name:<20} {path:<9} {step:<9} {order:<9} {model:<9} {beyond}").trim_end())
+        format!("{}\n", format!("{name:<NAME$} {path:<9} {step:<9} {order:<9} {model:<9} {beyond}").trim_end())
     };
     let mut text = row(["Engine error", "path", "time step", "order", "model", "not within"]);
     for of in found {
         let [path, step, order, model] = on_path(of);
-        text += &row([&format!("  {}", of.engine.name), &path, &step, &order, &model, &beyond(of)]);
+        let mut name = format!("  {}", of.engine.name);
+        if name.chars().count() > NAME {
+            // A long name has a line of its own.
+            text += &format!("{name}\n");
+            name.clear();
+        }
+        let mut words = wrapped(&beyond(of), WORDS).into_iter();
+        text += &row([&name, &path, &step, &order, &model, &words.next().unwrap_or_default()]);
+        words.for_each(|rest| text += &row(["", "", "", "", "", &rest]));
     }
     text
 }

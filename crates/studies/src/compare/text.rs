@@ -2,6 +2,7 @@
 
 use crate::compare::answer::{self, name_and_unit, rounded_up, tolerance, verdict_text, words_of};
 use crate::compare::comparison::Comparison;
+use crate::compare::words::{WORDS, wrapped};
 use crate::compare::{doubt, side_by_side};
 use cohaul::analysis::compare::{ClosedLoop, DampingEffect, Difference, Distribution, Divergence, EngineAnswer, InertiaAnswer};
 use cohaul::analysis::compare::{LONGEST_TRIAL, Measure, PairedDifference, Pathwise, Predicted, QuantityVerdict, RunMeasure};
@@ -93,9 +94,6 @@ fn verdicts(found: &Pathwise) -> String {
     text
 }
 
-/// Columns for the words of a verdict, of 80.
-const WORDS: usize = 18;
-
 /// The numbers that decide the answers on a quantity, each with what it decides in words. There is
 /// none for path and heading.
 fn deciding(of: &QuantityVerdict) -> Vec<(Option<&RunMeasure>, String)> {
@@ -105,22 +103,6 @@ fn deciding(of: &QuantityVerdict) -> Vec<(Option<&RunMeasure>, String)> {
         return vec![(first, words_of(of, [true, false])), (of_engine, words_of(of, [false, true]))];
     }
     vec![(first, verdict_text(of))]
-}
-
-/// Words that are separated by commas, in lines of at most `width` columns.
-fn wrapped(words: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in words.split(", ") {
-        match lines.last_mut() {
-            Some(line) if line.len() + 2 + word.len() <= width => *line = format!("{line}, {word}"),
-            Some(line) => {
-                line.push(',');
-                lines.push(word.to_owned());
-            }
-            None => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }
 
 /// As many lines of the evidence as there is room for, the most useful first. What belongs together

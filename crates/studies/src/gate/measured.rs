@@ -3,9 +3,9 @@
 use std::sync::Mutex;
 
 use super::record::{EngineOf, Error, Quantity, Record, SceneRecord};
-use crate::subject::{Ended, Fresh, Meet, Unmoved};
+use crate::subject::{Ended, Fresh, Meet};
 use cohaul::analysis::compare::{EngineName, Pathwise, Settings, ThreeWay, Verdict};
-use cohaul::backend::{Backend, BackendKind, BackendOptions};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Unmoved};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul_report::json;
 use cohaul_report::manifest::build_of_program;
