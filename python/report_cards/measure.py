@@ -150,8 +150,7 @@ def run_time(card: Card, given: cohaul.Scenario) -> list[dict[str, float]]:
 def friction_direction(card: Card) -> float | None:
     """Direction of friction at one support off the centre that slips along 45 degrees (degrees).
 
-    As in the test C4, at 1 m/s in place of 10 m/s: Box2D scales the velocity of what moves by more
-    than two units in a step, which hides the direction there.
+    As in the test C4, with friction so weak that the slip does not turn meanwhile.
     """
     if isinstance(card.engine, str):
         return None

@@ -57,9 +57,9 @@ def _page(cards: dict[str, Any], manifest: dict[str, Any], scenes: list[str], ti
     )
     yield ""
     yield _text(
-        "The direction of friction is that at 1 m/s. The test C4 among the known answers asks at 10 m/s. There the load moves by more than "
-        "two units of Box2D in a step, and Box2D scales its velocity, which hides the direction. Its path in `analytic/slide-spin` is within "
-        "1 % because the errors of time step and model happen to cancel."
+        "The direction of friction is that of one support off the centre, at 1 m/s and with friction too weak to turn the slip. That of rapier "
+        "and of cohaul is from C4, where the slip turns by some tenths of a degree. The path of "
+        "Box2D in `analytic/slide-spin` is within 1 % because the errors of time step and model happen to cancel."
     )
     yield ""
     yield from _table(["scene", "file"], [[title, f"`scenarios/{name}.json`"] for name, title in zip(scenes, titles)])

@@ -32,8 +32,8 @@ const PULL: Test = Test {
 const OSCILLATION: Test = Test {
     key: "C6",
     name: "oscillation",
-    what: "amplitude and phase of a load on a spring without friction, after 20 periods",
-    source: "a harmonic oscillation: 1 of the start, 0 rad; the phase counts over 1 rad",
+    what: "amplitude and phase of a load on a spring without friction, after 20 periods, and its place half a period before",
+    source: "a harmonic oscillation: 1 of the start, 0 rad, -1 of the start; the phase counts over 1 rad",
     meaning: "whether the steps create or swallow energy",
     has_inertia: true,
     run: oscillation,
@@ -111,11 +111,17 @@ fn oscillation(asked: &Asked) -> Result<Vec<Measure>, Ended> {
     let mut scenario = towed("oscillation", 1.0, [20.0 * period, tick], tip(0, &[(0.0, [0.0, 0.0])]));
     scenario.system.ground.friction_coefficient = 0.0;
     scenario.start.pose.position.x = AMPLITUDE;
-    let end = asked.run(&scenario)?.end().motion;
+    let course = asked.run(&scenario)?;
+    let end = course.end().motion;
+    // Of the instant next to it, which a whole number of steps to the half need not meet.
+    let at = 19.5 * period;
+    let half = course.rows.iter().min_by(|a, b| (a.time - at).abs().total_cmp(&(b.time - at).abs())).expect("a run has rows");
+    let known_half = (rate * half.time).cos();
     let (x, y) = (end.pose.position.x / AMPLITUDE, -end.twist.linear.x / (rate * AMPLITUDE));
     Ok(vec![
         Measure::new("amplitude", "", 1.0, x.hypot(y), CLOSED * 20.0 * TAU),
         Measure::over(1.0, "phase", "rad", 0.0, y.atan2(x), CLOSED * 20.0 * TAU),
+        Measure::new("half a period before", "", known_half, half.motion.pose.position.x / AMPLITUDE, CLOSED * 20.0 * TAU),
     ])
 }
 

@@ -34,8 +34,8 @@ const SPIN: Test = Test {
 const DIRECTION: Test = Test {
     key: "C4",
     name: "friction direction",
-    what: "direction of friction at one support off the centre that slips along 45 deg",
-    source: "Coulomb's law: against the slip velocity, which turns a little within the first step",
+    what: "direction of friction at one support off the centre that slips along 45 deg, and the speed it takes in a step",
+    source: "Coulomb's law: against the slip velocity, which turns a little within the first step; mu g h",
     meaning: "whether a pushed object takes the right turn",
     has_inertia: true,
     run: friction_direction,
@@ -94,8 +94,9 @@ fn spin(asked: &Asked) -> Result<Vec<Measure>, Ended> {
 
 /// One support at distance a on the y axis slips along 45 degrees. The load brakes and begins to
 /// turn, which turns the slip by f a^2 t / (2 I v) after a time t. At this speed (m/s) that is
-/// small, and half of it is what the first step has on average.
-const FAST: f64 = 10.0;
+/// small, and half of it is what the first step has on average. Some engines limit how far a load
+/// goes in a step, which a far higher speed would meet.
+const FAST: f64 = 1.0;
 
 fn friction_direction(asked: &Asked) -> Result<Vec<Measure>, Ended> {
     let mut system = load_on(Vec::new());
@@ -106,7 +107,10 @@ fn friction_direction(asked: &Asked) -> Result<Vec<Measure>, Ended> {
     let change = course.rows[0].motion.twist.linear - course.end().motion.twist.linear;
     let turned = 0.25 * SLIP_LIMIT * SUPPORT_RADIUS * SUPPORT_RADIUS / system.load.inertia * h / FAST;
     // Of the second order in that turn.
-    Ok(vec![Measure::new("direction", "rad", PI / 4.0 + turned, change.y.atan2(change.x), 4.0 * turned * turned)])
+    let direction = Measure::new("direction", "rad", PI / 4.0 + turned, change.y.atan2(change.x), 4.0 * turned * turned);
+    // As the load turns, the force leaves the direction of the start: by the turn, to second order.
+    let lost = MU * GRAVITY * h;
+    Ok(vec![direction, Measure::new("speed lost", "m/s", lost, change.norm(), 4.0 * turned * turned * lost)])
 }
 
 /// The pinned start of the tripod, whose end is known in units of its supports' distance.
