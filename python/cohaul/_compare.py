@@ -46,6 +46,11 @@ class Comparison(Results):
         return self._results.get("other_engines", [])
 
     @property
+    def refused_by(self) -> list[dict[str, Any]]:
+        """Engines that do not take the scene, where others do: ``engine`` and ``why``."""
+        return self._results.get("refused_by", [])
+
+    @property
     def verdicts(self) -> dict[str, Any]:
         """Verdict on each quantity, of the first tier: path, heading, pulls, contacts, speed, energy.
 

@@ -13,10 +13,10 @@ use cohaul_engines::engine::Open;
 use cohaul_report::chart::{self, Labelled};
 use cohaul_report::json;
 use cohaul_report::manifest::{Libraries, Manifest};
-use cohaul_studies::compare::comparison::{self, Tiers};
+use cohaul_studies::compare::comparison::{self, Refusal, Tiers};
 use cohaul_studies::compare::files::write_comparison;
 use cohaul_studies::compare::page::{comparison_page, scene_of};
-use pyo3::exceptions::{PyArithmeticError, PyOSError, PyValueError};
+use pyo3::exceptions::{PyArithmeticError, PyNotImplementedError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::controller::Makers;
@@ -73,7 +73,9 @@ pub fn compare(
     let wrong = |what: String| PyValueError::new_err(format!("engine: {what}"));
     let met = if engines.is_empty() { vec![Engine::rapier(Libraries::USED.rapier2d)] } else { met.map_err(wrong)? };
     Engine::check_names(&met).map_err(wrong)?;
-    let own = Own { makers: makers.as_ref(), engines: &met };
+    let willing = Engine::willing(&met).map_err(|what| PyNotImplementedError::new_err(format!("engine: {what}")));
+    let (willing, refused_by) = willing?;
+    let own = Own { makers: makers.as_ref(), engines: &willing };
     let found = computed(py, progress, |watch| threads.install(|| all(&scenario, &settings, &tiers, n_seeds, own, watch)));
     engines.iter().try_for_each(Asked::check)?;
     if let Some(what) = met.iter().find_map(Engine::complaint) {
@@ -83,7 +85,8 @@ pub fn compare(
     makers.as_ref().map_or(Ok(()), Makers::check)?;
     // Only an interrupt stops a comparison, and that is an exception already.
     let (found, others) = found.expect("the comparison ended");
-    let found = comparison::Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64()).with_other_engines(others);
+    let found = comparison::Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
+    let found = found.with_other_engines(others, refused_by.into_iter().map(Refusal::from).collect());
     json::check(&found).map_err(|error| PyArithmeticError::new_err(error.to_string()))?;
     Ok(Comparison { scenario, settings, found, started })
 }
@@ -107,7 +110,7 @@ fn asked(names: &[String], scenario: &Scenario, [has_controller, has_engine]: [b
 #[derive(Clone, Copy)]
 struct Own<'a> {
     makers: Option<&'a Makers>,
-    engines: &'a [Engine<'a>],
+    engines: &'a [&'a Engine<'a>],
 }
 
 /// The tiers one after the other, and the paths of all engines but the first; `None` when they were
@@ -124,7 +127,7 @@ fn all(
     let make = |scenario: &Scenario| -> Box<dyn Controller> { makers.expect("there is one").controller(scenario) };
     let runs = ThreeWay::new(scenario, settings);
     let runs = if makers.is_some() { runs.controller(&make) } else { runs };
-    let are_well = || makers.is_none_or(Makers::are_well) && engines.iter().all(Engine::is_well);
+    let are_well = || makers.is_none_or(Makers::are_well) && engines.iter().all(|engine| engine.is_well());
     let (mut found, mut others, n_parts) = (Tiers::default(), Vec::new(), (tiers.len() * engines.len()) as f64);
     for (at, tier) in tiers.iter().enumerate() {
         let paths = |nth: usize, beside: Option<&Pathwise>| {

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 use cohaul::analysis::compare::EngineName;
 use cohaul::backend::{BackendKind, BackendOptions, RapierOptions};
 use cohaul::formats::stamped;
-use cohaul::scenario::{Scenario, sha256_hex};
+use cohaul::scenario::sha256_hex;
 use cohaul_engines::Engine;
 use cohaul_engines::engine::Open;
 use cohaul_report::json;
@@ -14,7 +14,7 @@ use cohaul_report::text::Detail;
 use cohaul_studies::conformance::files::{conformance_page, write_conformance};
 use cohaul_studies::conformance::report::{self, conformance_markdown, conformance_text};
 use cohaul_studies::conformance::{STEPS_S, all, first_scene, tasks};
-use cohaul_studies::subject::{Ended, Fresh, Meet, built_in};
+use cohaul_studies::subject::{Meet, built_in, of_user};
 use pyo3::exceptions::{PyArithmeticError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 
@@ -65,17 +65,11 @@ pub fn conformance(
             let met = py.allow_threads(|| Engine::meet(open, &first_scene(step_s), &options));
             written.check()?;
             let met = met.map_err(|what| PyValueError::new_err(format!("engine: {what}")))?;
-            ask(met.name(), &|scenario, options| fresh(open, scenario, options), true)
+            ask(met.name(), &of_user(&met), true)
         }
     }?;
     json::check(&found).map_err(|error| PyArithmeticError::new_err(error.to_string()))?;
     Ok(Conformance { found, started })
-}
-
-/// A run of an engine that is written in Python. What it raises at its start refuses the scene.
-fn fresh(open: &Open, scenario: &Scenario, options: &BackendOptions) -> Result<Fresh, Ended> {
-    let (backend, complaint) = Engine::once(open, scenario, options).map_err(Ended::Refused)?;
-    Ok(Fresh { backend, complaint: Box::new(move || complaint.text()) })
 }
 
 impl Conformance {

@@ -2,8 +2,9 @@
 
 use std::sync::{Arc, Mutex};
 
-use cohaul::math::{Pose, Twist, Vec2};
+use cohaul_engines::protocol::Ask;
 use cohaul_engines::{Channel, Pipe, Springs};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// An engine as it is asked for.
@@ -98,7 +99,7 @@ impl Channel for Conversation {
     fn exchange(&mut self, line: &str, springs: &Arc<Springs>) -> Result<String, String> {
         let answer = Python::with_gil(|py| {
             let asker = Asker { springs: Arc::clone(springs) };
-            self.session.call_method1(py, "exchange", (line, asker))?.extract::<String>(py)
+            self.session.call_method1(py, "asked", (line, asker))?.extract::<String>(py)
         });
         answer.map_err(|error| self.written.keep(error))
     }
@@ -112,9 +113,8 @@ struct Asker {
 
 #[pymethods]
 impl Asker {
-    fn __call__(&self, pose: [f64; 3], twist: [f64; 3], share: f64) -> [f64; 3] {
-        let ([x, y, heading], [u, v, angular]) = (pose, twist);
-        let wrench = self.springs.wrench(&Pose::new(x, y, heading), &Twist { linear: Vec2::new(u, v), angular }, share);
-        [wrench.force.x, wrench.force.y, wrench.torque]
+    fn __call__(&self, pose: [f64; 3], twist: [f64; 3], share: f64) -> PyResult<[f64; 3]> {
+        let answer = self.springs.answer(&Ask::Wrench { pose, twist, share });
+        answer.map(|answer| answer.wrench).map_err(PyValueError::new_err)
     }
 }

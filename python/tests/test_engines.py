@@ -134,3 +134,28 @@ def test_engines_that_do_not_start_are_refused():
         cohaul.compare(scene, engine=type("Long", (Still,), {"name": "x" * 41}))
     with pytest.raises(ValueError, match="tiers: must be replayed"):
         cohaul.compare(ROOT / "scenarios/paper/four-ants-four-springs.json", engine=Still, tiers="closed-loop")
+
+
+def test_an_engine_that_hangs_in_the_interpreter_is_ended(monkeypatch):
+    def hang(self, *a, **k):
+        while True:
+            pass
+
+    monkeypatch.setattr(cohaul.engines, "PATIENCE_S", 1.0)
+    with pytest.raises(TimeoutError, match="must answer within 1.0 s"):
+        cohaul.compare(ROOT / "scenarios/analytic/ramp-and-hold.json", engine=type("Hanging", (Still,), {"advance": hang}))
+
+
+def test_an_engine_that_refuses_the_scene_is_a_row_among_others():
+    def start(self, scene, longest_step_s):
+        raise NotImplementedError("springs: has none")
+
+    refusing = type("Refusing", (Still,), {"name": "refusing", "start": start})
+    scene = ROOT / "scenarios/analytic/ramp-and-hold.json"
+    found = cohaul.compare(scene, engine=[refusing, "rapier"])
+    assert found.tiers["prescribed"]["verdicts"] == cohaul.compare(scene).tiers["prescribed"]["verdicts"]
+    assert found.refused_by == [{"engine": {"name": "refusing"}, "why": "springs: has none"}]
+    assert found.answer.endswith("refusing refuses the scene: springs: has none.")
+    assert "Engines that refuse the scene" in found.report()
+    with pytest.raises(NotImplementedError, match="refusing refuses the scene: springs: has none"):
+        cohaul.compare(scene, engine=refusing)

@@ -5,6 +5,7 @@ use cohaul::math::{Pose, Twist, Vec2, Vec3, rotation};
 use cohaul::model::System;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation};
+use cohaul_studies::subject::Runs;
 use cohaul_studies::verify::reference::QUASI_STATIC;
 
 use crate::common::*;
@@ -130,7 +131,7 @@ fn far_from_the_origin_only_digits_are_lost() {
         let start = Motion { pose: Pose { position: away, heading: 0.0 }, twist: Twist::ZERO };
         let tips = move |t: f64| reference_tips(t).into_iter().map(|(spring, tip)| (spring, tip + away)).collect::<Vec<_>>();
         let options = BackendOptions { second_order, ..BackendOptions::new(BackendKind::QuasiStatic, 1.0 / 800.0) };
-        let (poses, report) = path(&system, start, &options, &tips, 1.0);
+        let (poses, report) = path(&system, start, &Runs::of(options), &tips, 1.0);
         (poses.last().unwrap().position - away, report.n_solves)
     };
     for second_order in [false, true] {

@@ -7,12 +7,14 @@ mod root;
 use std::fs;
 use std::process::Output;
 
+use cohaul::analysis::compare::EngineName;
 use cohaul::backend::CLARABEL_ACCURACY;
-use cohaul::backend::{BackendKind, BackendOptions, ConeSolver, Status};
+use cohaul::backend::{BackendKind, BackendOptions, ConeSolver, RapierOptions, Status};
 use cohaul::math::{Vec2, Vec3};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation};
 use cohaul_report::json;
+use cohaul_studies::bench::figure::work_precision_figure;
 use cohaul_studies::bench::report::Benchmark;
 use cohaul_studies::bench::text::bench_text;
 use cohaul_studies::bench::{
@@ -21,6 +23,7 @@ use cohaul_studies::bench::{
 };
 use cohaul_studies::methods::{METHODS, Method};
 use cohaul_studies::runner::Records;
+use cohaul_studies::subject::{Ended, Meet, built_in, own};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -36,7 +39,7 @@ fn reference(scene: &Scene, kind: BackendKind) -> Reference {
 fn errors(scene: &Scene, method: &str, levels: &[Level]) -> Vec<f64> {
     let method = method.parse::<Method>().unwrap();
     let reference = reference(scene, if method.kind == BackendKind::QuasiStatic { method.kind } else { BackendKind::Inertial });
-    let row = |level: &Level| Row::measure(scene, &method, *level, (&reference, 1.0), f64::INFINITY, |_| true).unwrap();
+    let row = |level: &Level| Row::measure(scene, (&method, &own), *level, (&reference, 1.0), f64::INFINITY, |_| true).unwrap();
     levels.iter().map(|level| row(level).errors_m.unwrap()[0]).collect()
 }
 
@@ -150,8 +153,33 @@ fn measured(plan: &Plan) -> Measured {
     bench(plan, &mut Records::in_memory(), &mut |_| true).unwrap()
 }
 
-fn plan(scene: Scene, budget_s: f64) -> Plan {
-    Plan { scenes: vec![scene], effort: Effort { repeats: 2, budget_s, quick: true }, solvers: None, growth: None }
+fn plan(scene: Scene, budget_s: f64) -> Plan<'static> {
+    Plan { scenes: vec![scene], engines: Vec::new(), effort: Effort { repeats: 2, budget_s, quick: true }, solvers: None, growth: None }
+}
+
+/// An engine of the user is measured as rapier is, and stands beside it in tables and figures.
+#[test]
+fn engines_of_users_are_measured_beside_the_methods() {
+    let (rapier, refuses) = (built_in(BackendKind::Rapier, RapierOptions::default()), |_: &Scenario, _: &BackendOptions| {
+        Err(Ended::Refused("too small".to_owned()))
+    });
+    let engines: [(&str, &Meet); 2] = [("rapier again", &rapier), ("shy", &refuses)];
+    let engines = engines.map(|(name, meet)| (Method::of_user(name).unwrap(), meet)).to_vec();
+    let plan = Plan { engines, ..plan(scene("slide-spin"), 0.5) };
+    let found = measured(&plan);
+    let of = |name: &str| found.rows.iter().filter(|row| row.method == name).collect::<Vec<_>>();
+    let (own, again) = (of("rapier aligned"), of("rapier again"));
+    assert!(
+        own.len() == again.len() && own.iter().zip(&again).all(|(one, other)| one.errors_m == other.errors_m && one.errors_m.is_some())
+    );
+    assert!(again.iter().all(|row| !row.seconds.is_empty()));
+    assert_eq!(of("shy")[0].cause(), Some("refused: too small".to_owned()));
+    let names = ["rapier again", "shy"].map(|name| EngineName { name: name.into(), version: Some("2".to_owned()) });
+    let found = Benchmark { engines: names.to_vec(), ..Benchmark::new(Host::here(), plan.effort, found, 1.0) };
+    let text = bench_text(&found);
+    assert!(text.contains("rapier again 2: real time") && found.equal_error.iter().any(|line| line.method == "rapier again"), "{text}");
+    let figure = work_precision_figure(&found.scenes[0], &found.measured.rows, 0.5);
+    assert!(figure.contains("rapier again"));
 }
 
 #[test]

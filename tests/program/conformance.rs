@@ -71,8 +71,14 @@ fn refusals_and_faults_are_rows_and_the_table_goes_on() {
     assert_eq!(keys(&found, "refused"), ["C10a", "C10b", "C11a", "C11b"]);
     assert_eq!(keys(&found, "failed"), ["C2"]);
     let why = |key: &str| found["tests"].as_array().unwrap().iter().find(|test| test["key"] == key).unwrap()["why"].clone();
-    assert_eq!(why("C10a"), "start: no obstacles");
+    assert_eq!(why("C10a"), "no obstacles");
     assert!(why("C2").as_str().unwrap().starts_with("still, at 0 s: advance: expected value"), "{}", why("C2"));
+}
+
+#[test]
+fn an_engine_that_refuses_every_scene_has_a_table() {
+    let found = found(&["--engine", r#"read -r line; echo '{"name":"shy","refused":"no scene at all"}'"#], 0);
+    assert!(found["engine"]["name"] == "shy" && keys(&found, "refused").len() == found["tests"].as_array().unwrap().len(), "{found}");
 }
 
 /// A program that starts and then waits is ended in each test; one that never starts ends the call.

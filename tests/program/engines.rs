@@ -67,6 +67,15 @@ fn engines_side_by_side_share_the_exact_paths() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("\n  an engine whose name is a long one\n"), "{text}");
     assert!(text.contains("Engine error") && text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    // One that refuses the scene is a row, and no comparison by itself.
+    let shy = r#"read -r line; echo '{"name":"shy","refused":"no springs"}'"#;
+    let (output, _) = compare(shy, &["--engine", &still, "--json"]);
+    let of_two: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(of_two["tiers"]["prescribed"]["verdicts"], found["tiers"]["prescribed"]["verdicts"]);
+    assert_eq!(of_two["refused_by"], serde_json::json!([{ "engine": { "name": "shy" }, "why": "no springs" }]));
+    let (output, _) = compare(shy, &["--out", out.to_str().unwrap()]);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && error.contains("--engine: shy refuses the scene: no springs"), "{error}");
     // Two of one name cannot be told apart.
     let (output, _) = compare(&still, &["--engine", &still]);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -95,7 +104,7 @@ fn what_is_wrong_with_an_engine_is_named() {
         (answering(r#"{"pose":[0,0,0],"pulls_n":[]}"#), "pulls_n: must have one entry a spring, 1, found 0"),
         (
             answering(r#"{"pose":[0,0,0],"contacts":[{"obstacle":3,"point_m":[0,0],"force_n":[0,0]}]}"#),
-            "contacts: must name one of 0 obstacles by its place from 0, found 3",
+            "contacts: must be none without obstacles, found one",
         ),
         (answering(r#"{"pose":[0,0,6.28]}"#), "pose: must have a heading that is not wrapped, found a turn by 6.280 rad in one advance"),
     ] {
@@ -119,6 +128,7 @@ fn options_that_an_engine_has_not_are_refused() {
         (&["--threshold", "speed"], "--engine: must be left out with --threshold, found both"),
         (&["--vary", "load.mass_kg=1:2:2"], "--engine: must be left out with --vary, found both"),
         (&["--engine-timeout-s", "-1"], "--engine-timeout-s"),
+        (&["--engine", " "], "--engine: must be a command, found nothing"),
     ] {
         let (output, _) = compare("exit 9", more);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -6,13 +6,14 @@ mod root;
 use std::fs;
 use std::process::Output;
 
-use cohaul::backend::{BackendOptions, Status};
+use cohaul::backend::{BackendKind, RapierOptions, Status};
 use cohaul_report::json;
 use cohaul_report::text::Detail;
 use cohaul_studies::methods::Method;
+use cohaul_studies::subject::{Runs, built_in, own};
 use cohaul_studies::variants;
 use cohaul_studies::verify::report::{Verification, verify_text};
-use cohaul_studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, all, tasks};
+use cohaul_studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, all, put_to, tasks};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -21,7 +22,7 @@ fn named(name: &str) -> Case {
 }
 
 fn verify(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> Vec<Row> {
-    tasks(cases, wanted, effort).finished(&|_| true).unwrap().concat()
+    tasks(cases, &own, wanted, effort).finished(&|_| true).unwrap().concat()
 }
 
 fn rows(case: Case, method: Method) -> Vec<Row> {
@@ -31,8 +32,8 @@ fn rows(case: Case, method: Method) -> Vec<Row> {
 /// The case with another known answer: `wrong` of the right one.
 fn with_known(case: Case, wrong: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Case {
     let run = case.run;
-    let wrongly = move |options: &BackendOptions| {
-        let mut answer = run(options);
+    let wrongly = move |runs: &Runs| {
+        let mut answer = run(runs);
         answer.values.iter_mut().for_each(|value| value.known = wrong(value.known));
         answer
     };
@@ -42,6 +43,44 @@ fn with_known(case: Case, wrong: impl Fn(f64) -> f64 + Send + Sync + 'static) ->
 fn misses(rows: &[Row]) -> Vec<(RowKind, String)> {
     let of = |row: &Row| if let Outcome::Misses(why) = &row.outcome { Some((row.kind, why.clone())) } else { None };
     rows.iter().filter_map(of).collect()
+}
+
+/// An engine of the user is asked what rapier is asked. One of second order is right too; one
+/// without inertia is not.
+#[test]
+fn known_answers_are_put_to_engines_of_users() {
+    let by = |name: &str, kind: BackendKind| {
+        let meet = built_in(kind, RapierOptions::default());
+        let families = [Family::Slide, Family::Pull, Family::Contact];
+        let cases = all().into_iter().filter(|case| families.contains(&case.family)).collect();
+        let cases = put_to(Method::of_user(name).unwrap(), cases);
+        tasks(&cases, &meet, |_| true, Effort::Quick).finished(&|_| true).unwrap().concat()
+    };
+    for (name, kind) in [("engine of rapier", BackendKind::Rapier), ("engine of midpoint", BackendKind::Inertial)] {
+        let rows = by(name, kind);
+        assert!(rows.len() > 40 && rows.iter().all(|row| row.outcome == Outcome::Holds && row.method.name == name), "{rows:?}");
+    }
+    let still = by("engine without inertia", BackendKind::QuasiStatic);
+    let slides: Vec<Row> = still.into_iter().filter(|row| row.family == Family::Slide).collect();
+    assert!(slides.iter().all(|row| row.outcome.missed() == Some("the error is above its bound")), "{slides:?}");
+}
+
+/// A refusal is no miss, and what is wrong with an engine is one.
+#[cfg(unix)]
+#[test]
+fn refusals_and_faults_of_engines_are_rows() {
+    let shy =
+        r#"read -r line; case "$line" in *'"springs":[]'*) echo '{"name":"shy"}';; *) echo '{"name":"shy","refused":"springs"}';; esac"#;
+    let output = root::cohaul().args(["verify", "slide-1-m-s", "pull", "--quick", "--json", "--engine", shy]).output().unwrap();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((output.status.code(), &found["engine"]["name"]), (Some(1), &Value::from("shy")), "{found}");
+    let judged = found["n_judged"].as_u64().unwrap();
+    assert!(found["n_held"] == 0 && judged > 0 && found["n_shown"].as_u64().unwrap() > judged, "{found}");
+    for row in found["rows"].as_array().unwrap() {
+        let is_slide = row["case"] == "slide-1-m-s";
+        assert!(row["error_m"].is_null() && row["order"].is_null() && row["holds"].is_null() != is_slide, "{row}");
+        assert_eq!(row["missed"].as_str().is_some_and(|why| why.contains("must answer each request")), is_slide, "{row}");
+    }
 }
 
 #[test]
@@ -125,8 +164,8 @@ fn a_broken_answer_is_a_miss_and_no_number() {
 
     let case = named("slide-1-m-s");
     let run = case.run;
-    let unconverged = move |options: &BackendOptions| {
-        let mut answer = run(options);
+    let unconverged = move |runs: &Runs| {
+        let mut answer = run(runs);
         answer.report.status = Status::NotConverged;
         answer
     };
@@ -155,7 +194,7 @@ fn a_case_measures_its_error_at_options_of_ones_own() {
 
 #[test]
 fn it_stops_when_told_to() {
-    assert_eq!(tasks(&all(), |_| true, Effort::Quick).finished(&|_| false), None);
+    assert_eq!(tasks(&all(), &own, |_| true, Effort::Quick).finished(&|_| false), None);
 }
 
 fn call(args: &[&str]) -> Output {

@@ -37,11 +37,11 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 6] = [
     ("src", 39_990),
-    ("crates/engines/src", 1_070),
+    ("crates/engines/src", 1_100),
     ("crates/report/src", 8_750),
-    ("crates/studies/src", 21_340),
+    ("crates/studies/src", 21_600),
     ("crates/paper/src", 9_650),
-    ("crates/app/src", 7_060),
+    ("crates/app/src", 7_120),
 ];
 
 /// Beginnings of the names of crates, and the places in which these may be used.

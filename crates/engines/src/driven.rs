@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use cohaul::analysis::compare::EngineName;
 use cohaul::backend::{Backend, BackendOptions, Computes, EnergyLedger, Motion, SideContact, Status, StepReport, n_steps_in};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::System;
@@ -14,6 +15,22 @@ use cohaul::scenario::Scenario;
 use crate::channel::{Channel, Complaint, shortened};
 use crate::protocol::{Advanced, Request, Started, of_pose};
 use crate::springs::Springs;
+
+/// Why a run does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum NoStart {
+    /// The engine, which need not have said its name, does not take the scene.
+    #[error("start: {1}")]
+    Refused(EngineName, String),
+    #[error("{0}")]
+    Wrong(String),
+}
+
+impl From<String> for NoStart {
+    fn from(what: String) -> Self {
+        Self::Wrong(what)
+    }
+}
 
 /// A load that an engine moves.
 pub struct Driven {
@@ -37,29 +54,33 @@ impl Driven {
     /// `complaint`, and end the run as failed.
     ///
     /// # Errors
-    /// When the engine does not start, in words.
+    /// When the engine does not start.
     pub fn start(
         mut channel: Box<dyn Channel>,
         scenario: &Scenario,
         options: &BackendOptions,
         complaint: &Arc<Complaint>,
-    ) -> Result<(Self, Started), String> {
+    ) -> Result<(Self, EngineName), NoStart> {
         let Scenario { system, start, .. } = scenario;
         let springs = Arc::new(Springs::new(system));
         let request = Request::start(system, start, options);
         let started: Started = read(channel.exchange(&line(&request), &springs), "start")?;
-        if let Some(why) = started.refused {
-            return Err(format!("start: {}", shortened(why.trim())));
+        if started.refused.is_none() || !started.name.is_empty() {
+            check_words("name", &started.name)?;
+            started.version.iter().try_for_each(|version| check_words("version", version))?;
         }
-        check_words("name", &started.name)?;
-        started.version.iter().try_for_each(|version| check_words("version", version))?;
+        if let Some(why) = started.refused {
+            let name = if started.name.is_empty() { "engine".into() } else { started.name.into() };
+            return Err(NoStart::Refused(EngineName { name, version: started.version }, shortened(why.trim())));
+        }
+        let name = EngineName { name: started.name.clone().into(), version: started.version };
         let energy = EnergyLedger { initial: system.load.kinetic_energy(&start.twist), ..EnergyLedger::default() };
         let driven = Self {
             channel,
             complaint: Arc::clone(complaint),
             springs,
             system: system.clone(),
-            name: started.name.clone(),
+            name: started.name,
             longest_step: options.step_s,
             motion: *start,
             elapsed: 0.0,
@@ -68,7 +89,7 @@ impl Driven {
             contacts: Vec::new(),
             energy,
         };
-        Ok((driven, started))
+        Ok((driven, name))
     }
 
     /// Sends a request and reads its answer.
@@ -148,6 +169,7 @@ impl Driven {
         }
         let n_obstacles = self.system.world.obstacles.len();
         match contacts.map(|contact| contact.obstacle).find(|obstacle| *obstacle >= n_obstacles) {
+            Some(_) if n_obstacles == 0 => Err("contacts: must be none without obstacles, found one".to_owned()),
             Some(obstacle) => Err(format!("contacts: must name one of {n_obstacles} obstacles by its place from 0, found {obstacle}")),
             None => Ok(()),
         }
@@ -220,7 +242,10 @@ impl Backend for Driven {
             Some(false) => Status::NotConverged,
             Some(true) => Status::Converged,
         };
-        StepReport { status, n_steps, n_not_converged: u64::from(status == Status::NotConverged), ..StepReport::default() }
+        let is_unsolved = status == Status::NotConverged;
+        // How far it is from a solution, the engine does not say: as far as can be.
+        let (n_not_converged, residual) = if is_unsolved { (n_steps, 1.0) } else { (0, 0.0) };
+        StepReport { status, n_steps, n_not_converged, residual, ..StepReport::default() }
     }
 
     fn motion(&self) -> Motion {

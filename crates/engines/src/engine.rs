@@ -8,7 +8,7 @@ use cohaul::scenario::Scenario;
 use cohaul::simulation::backend_of;
 
 use crate::channel::{Channel, Complaint};
-use crate::driven::Driven;
+use crate::driven::{Driven, NoStart};
 
 /// A way to open a channel to a new run of an engine.
 pub type Open<'a> = dyn Fn() -> Result<Box<dyn Channel>, String> + Sync + 'a;
@@ -18,24 +18,42 @@ pub struct Engine<'a> {
     name: EngineName,
     /// `None` for rapier.
     open: Option<&'a Open<'a>>,
+    /// Why it does not take the scenario that it was met on.
+    refused: Option<String>,
     complaint: Arc<Complaint>,
 }
 
 impl<'a> Engine<'a> {
-    /// Starts a run of the engine on a scenario, to learn its name.
+    /// Starts a run of the engine on a scenario, to learn its name and whether it takes it.
     ///
     /// # Errors
     /// When it does not start, in words.
     pub fn meet(open: &'a Open<'a>, scenario: &Scenario, options: &BackendOptions) -> Result<Self, String> {
         let complaint = Arc::new(Complaint::default());
-        let (_, started) = Driven::start(open()?, scenario, options, &complaint)?;
-        Ok(Self { name: EngineName { name: started.name.into(), version: started.version }, open: Some(open), complaint })
+        let (name, refused) = match Driven::start(open()?, scenario, options, &complaint) {
+            Ok((_, name)) => (name, None),
+            Err(NoStart::Refused(name, why)) => (name, Some(why)),
+            Err(NoStart::Wrong(what)) => return Err(what),
+        };
+        Ok(Self { name, open: Some(open), refused, complaint })
     }
 
     /// The engine that the library has itself, in this version.
     pub fn rapier(version: &str) -> Self {
         let name = EngineName { version: Some(version.to_owned()), ..ThreeWay::RAPIER };
-        Self { name, open: None, complaint: Arc::default() }
+        Self { name, open: None, refused: None, complaint: Arc::default() }
+    }
+
+    /// Those that take the scenario that they were met on, and the others with what they say.
+    ///
+    /// # Errors
+    /// When none takes it, with what the first one says.
+    pub fn willing<'e>(engines: &'e [Self]) -> Result<(Vec<&'e Self>, Vec<(&'e EngineName, &'e str)>), String> {
+        let refused = engines.iter().filter_map(|engine| Some((&engine.name, engine.refused()?))).collect::<Vec<_>>();
+        match refused.first() {
+            Some((name, why)) if refused.len() == engines.len() => Err(format!("{} refuses the scene: {why}", name.name)),
+            _ => Ok((engines.iter().filter(|engine| engine.refused.is_none()).collect(), refused)),
+        }
     }
 
     /// # Errors
@@ -51,15 +69,21 @@ impl<'a> Engine<'a> {
     /// A single run, whose faults are its own.
     ///
     /// # Errors
-    /// When it does not start, in words.
-    pub fn once(open: &Open, scenario: &Scenario, options: &BackendOptions) -> Result<(Box<dyn Backend>, Arc<Complaint>), String> {
+    /// When it does not start.
+    pub fn once(&self, scenario: &Scenario, options: &BackendOptions) -> Result<(Box<dyn Backend>, Arc<Complaint>), NoStart> {
         let complaint = Arc::new(Complaint::default());
-        let (driven, _) = Driven::start(open()?, scenario, options, &complaint)?;
+        let Some(open) = self.open else { return Ok((backend_of(scenario, options), complaint)) };
+        let (driven, _) = Driven::start(open().map_err(NoStart::Wrong)?, scenario, options, &complaint)?;
         Ok((Box::new(driven), complaint))
     }
 
     pub fn name(&self) -> &EngineName {
         &self.name
+    }
+
+    /// Why it does not take the scenario that it was met on, if it does not.
+    pub fn refused(&self) -> Option<&str> {
+        self.refused.as_deref()
     }
 
     /// Whether nothing was wrong so far.
@@ -75,7 +99,7 @@ impl<'a> Engine<'a> {
     /// A new run of the engine. One that does not start fails at its first step.
     pub fn backend(&self, scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
         let Some(open) = self.open else { return backend_of(scenario, options) };
-        match open().and_then(|channel| Driven::start(channel, scenario, options, &self.complaint)) {
+        match open().map_err(NoStart::Wrong).and_then(|channel| Driven::start(channel, scenario, options, &self.complaint)) {
             Ok((driven, _)) => Box::new(driven),
             Err(what) => {
                 self.complaint.make(format!("{}: {what}", self.name.name));

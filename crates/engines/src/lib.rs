@@ -21,7 +21,7 @@ pub mod protocol;
 pub mod springs;
 
 pub use channel::{Channel, Complaint};
-pub use driven::Driven;
+pub use driven::{Driven, NoStart};
 pub use engine::Engine;
 pub use pipe::Pipe;
 pub use springs::Springs;

@@ -180,8 +180,12 @@ impl Channel for Pipe {
         self.send(line, deadline);
         loop {
             let answer = self.receive(deadline)?;
-            let Ok(ask) = serde_json::from_str::<Ask>(&answer) else { return Ok(answer) };
-            self.send(&serde_json::to_string(&springs.answer(&ask)).expect("numbers are plain data"), deadline);
+            let ask = match serde_json::from_str::<Ask>(&answer) {
+                Ok(ask) => ask,
+                Err(error) if answer.contains("\"ask\"") => return Err(format!("wrench: {error}, found {}", shortened(answer.trim()))),
+                Err(_) => return Ok(answer),
+            };
+            self.send(&serde_json::to_string(&springs.answer(&ask)?).expect("numbers are finite"), deadline);
         }
     }
 }

@@ -99,12 +99,22 @@ impl Springs {
         sum
     }
 
-    /// Answer to an engine that asks.
-    pub fn answer(&self, ask: &Ask) -> WrenchOnLoad {
+    /// Answer to an engine that asks: force (N, N) and torque (N m).
+    ///
+    /// # Errors
+    /// When it asks for what no load has, or what no advance has, in words.
+    pub fn answer(&self, ask: &Ask) -> Result<WrenchOnLoad, String> {
         let Ask::Wrench { pose: [x, y, heading], twist: [u, v, turn_rate], share } = *ask;
+        if !(0.0..=1.0).contains(&share) {
+            return Err(format!("wrench: must have a share from 0 to 1, found {share}"));
+        }
         let twist = Twist { linear: Vec2::new(u, v), angular: turn_rate };
         let wrench = self.wrench(&Pose::new(x, y, heading), &twist, share);
-        WrenchOnLoad { wrench: [wrench.force.x, wrench.force.y, wrench.torque] }
+        let wrench = [wrench.force.x, wrench.force.y, wrench.torque];
+        if wrench.iter().all(|entry| entry.is_finite()) {
+            return Ok(WrenchOnLoad { wrench });
+        }
+        Err(format!("wrench: must have a pose and a twist with finite pulls, found {:?} and {:?}", [x, y, heading], [u, v, turn_rate]))
     }
 
     /// Pull of a spring of this shape on its tip (N, world), which moves at `tip_velocity` (m/s).

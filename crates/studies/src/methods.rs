@@ -2,10 +2,11 @@
 //! answer.
 //!
 //! `bench` measures all of them, `verify` and `stress` those that say so. A new backend is measured
-//! by itself, and becomes part of the other two by a line in `LISTED`.
+//! by itself, and becomes part of the other two by a line in `LISTED`. An engine of the user joins
+//! the list by its name.
 
 use std::str::FromStr;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -29,6 +30,8 @@ pub struct Method {
     pub is_verified: bool,
     /// Whether `stress` runs its maps on it.
     pub is_stressed: bool,
+    /// Whether it is an engine of the user, in the place of rapier.
+    pub is_of_user: bool,
     integrator: Integrator,
     cone_solver: ConeSolver,
     second_order: bool,
@@ -48,6 +51,9 @@ pub static METHODS: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let unlisted = BackendKind::ALL.into_iter().filter(|kind| LISTED.iter().all(|method| method.kind != *kind));
     LISTED.into_iter().chain(unlisted.map(|kind| Method::with_step(kind.name(), kind.name(), kind))).collect()
 });
+
+/// Engines of the user, which are methods from the moment they have named themselves.
+static OF_USER: Mutex<Vec<Method>> = Mutex::new(Vec::new());
 
 /// The methods of the three backends.
 const LISTED: [Method; 15] = [
@@ -107,6 +113,7 @@ impl Method {
             is_controlled: false,
             is_verified: false,
             is_stressed: false,
+            is_of_user: false,
             integrator: Integrator::Midpoint,
             cone_solver: ConeSolver::Exact,
             second_order: false,
@@ -128,6 +135,30 @@ impl Method {
 
     const fn stressed(self) -> Self {
         Self { is_stressed: true, ..self }
+    }
+
+    /// The method of an engine of the user, which has inertia and a step, by its name. Names live
+    /// as long as the program.
+    ///
+    /// # Errors
+    /// When a method of this program has the name.
+    pub fn of_user(name: &str) -> Result<Method, String> {
+        let mut known = OF_USER.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(method) = known.iter().find(|method| method.name == name) {
+            return Ok(*method);
+        }
+        if METHODS.iter().any(|method| [method.name, method.short_name, method.key].contains(&name)) {
+            return Err(format!("name: must differ from the methods of this program, found {name}"));
+        }
+        let name: &'static str = String::from(name).leak();
+        known.push(Method { is_of_user: true, ..Method::with_step(name, name, BackendKind::Rapier) });
+        Ok(known[known.len() - 1])
+    }
+
+    /// All methods and the engines of the user after them, in the order of tables.
+    pub fn all() -> impl Iterator<Item = Method> {
+        let of_user = OF_USER.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        METHODS.iter().copied().chain(of_user)
     }
 
     /// The methods that `verify` asks, in the order of tables.
@@ -180,7 +211,7 @@ impl FromStr for Method {
     fn from_str(text: &str) -> Result<Self, String> {
         let alias = "as-shipped";
         let name = text.replace(alias, "engine-defaults");
-        let found = METHODS.iter().copied().find(|method| [method.name, method.short_name, method.key].contains(&name.as_str()));
+        let found = Self::all().find(|method| [method.name, method.short_name, method.key].contains(&name.as_str()));
         found.ok_or_else(|| format!("there is no method {text}"))
     }
 }
@@ -212,6 +243,9 @@ mod tests {
         }
         assert_eq!("rapier-as-shipped".parse(), Ok(Method::RAPIER_ENGINE_DEFAULTS));
         assert!("flying".parse::<Method>().unwrap_err().contains("flying"));
+        let flying = Method::of_user("flying").unwrap();
+        assert!(flying.is_of_user && Method::of_user("flying") == Ok(flying) && "flying".parse() == Ok(flying));
+        assert!(Method::of_user("rapier box").unwrap_err().contains("rapier box"));
     }
 
     #[test]

@@ -39,11 +39,18 @@ the engine's own library, ``pip install cohaul[pymunk]``:
 from __future__ import annotations
 
 import collections.abc
+import ctypes
+import functools
 import importlib
 import json
 import sys
-import traceback
+import threading
+import time
 from typing import Any, Callable, Mapping, Sequence, Type
+
+PATIENCE_S = 60.0
+"""Longest time that an engine in the interpreter may take to answer (s). One that computes outside of
+Python ends after its call only: as a command it is ended at once."""
 
 Wrench = Callable[[Sequence[float], Sequence[float], float], Sequence[float]]
 
@@ -80,6 +87,8 @@ class Engine:
 
     def start(self, scene: dict[str, Any], longest_step_s: float) -> None:
         """Begins a run of ``scene``, in steps of at most ``longest_step_s`` (s).
+
+        An engine that lacks something that the scene has refuses it by ``NotImplementedError``.
 
         The scene has ``mass_kg``, ``inertia_kg_m2``, ``radius_m``, ``pose`` (m, m, rad) and ``twist``
         (m/s, m/s, rad/s) at the start, ``outline``, ``supports``, ``springs`` and ``obstacles``.
@@ -121,6 +130,23 @@ class Session:
     def __init__(self, make: Callable[[], Any]) -> None:
         self._make = make
         self._engine: Any = None
+        _watch()
+
+    def asked(self, line: str, wrench: Wrench) -> str:
+        """The answer to a request in the interpreter, which has to come in time."""
+        thread = threading.get_ident()
+        _asked[thread] = time.monotonic()
+        try:
+            return self.exchange(line, wrench)
+        except Late:
+            raise TimeoutError(f"{self._name()}: must answer within {PATIENCE_S} s") from None
+        except SystemExit as error:
+            raise RuntimeError(f"{self._name()}: must not end the interpreter, found SystemExit: {error}") from error
+        finally:
+            _asked.pop(thread, None)
+
+    def _name(self) -> str:
+        return getattr(self._engine, "name", None) or type(self._engine).__name__
 
     def exchange(self, line: str, wrench: Wrench) -> str:
         """The answer to a request, for which ``wrench`` gives that of the springs."""
@@ -130,17 +156,45 @@ class Session:
         if call == "start":
             self._engine = self._make()
             self._engine._ask = wrench
-            self._engine.start(request["scene"], request["longest_step_s"])
             version = getattr(self._engine, "version", None)
-            answer = {"name": getattr(self._engine, "name", None) or type(self._engine).__name__}
+            answer = {"name": self._name()}
             if version is not None:
                 answer["version"] = str(version)
+            try:
+                self._engine.start(request["scene"], request["longest_step_s"])
+            except NotImplementedError as error:
+                answer["refused"] = str(error) or "start is not implemented"
         elif call == "end":
             self._engine = None
         else:
             found = getattr(self._engine, call)(**request)
             answer = dict(found) if call == "advance" else {}
         return json.dumps(answer, allow_nan=False, default=_plain)
+
+
+class Late(BaseException):
+    """An engine in the interpreter has not answered in time, which nothing of it may catch."""
+
+
+_asked: dict[int, float] = {}
+"""Threads in which an engine is asked, and since when (s)."""
+
+
+@functools.cache
+def _watch() -> threading.Thread:
+    """The thread that ends engines which do not answer, as soon as they execute Python again."""
+
+    def watch() -> None:
+        while True:
+            time.sleep(PATIENCE_S / 60.0)
+            for thread, since in list(_asked.items()):
+                # An engine may catch everything: it is told again until it ends.
+                if time.monotonic() - since > PATIENCE_S and thread in _asked:
+                    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(Late))
+
+    watcher = threading.Thread(target=watch, name="cohaul.engines", daemon=True)
+    watcher.start()
+    return watcher
 
 
 def _plain(value: Any) -> Any:
@@ -172,13 +226,6 @@ def serve(make: Type[Engine] | Callable[[], Any]) -> None:
         return found
 
     for line in iter(lines.readline, ""):
-        try:
-            say(session.exchange(line, wrench))
-        except Exception as error:
-            # An engine need not take every scene, and says why.
-            if '"call":"start"' not in line:
-                raise
-            traceback.print_exc()
-            say(json.dumps({"refused": f"{type(error).__name__}: {error}"}))
+        say(session.exchange(line, wrench))
         if '"call":"end"' in line:
             return

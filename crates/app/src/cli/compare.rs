@@ -33,7 +33,7 @@ use cohaul_report::traces::TraceFormat;
 use cohaul_studies::compare::answer::verdict_text;
 use cohaul_studies::compare::beside::recorded_path;
 use cohaul_studies::compare::closed_loop::{First, judged, tasks};
-use cohaul_studies::compare::comparison::{Comparison, Tiers};
+use cohaul_studies::compare::comparison::{Comparison, Refusal, Tiers};
 use cohaul_studies::compare::files::write_comparison;
 use cohaul_studies::compare::text::{account_warnings, text, tolerance_warning};
 use cohaul_studies::variants::names;
@@ -155,8 +155,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     check_step(args.step_s, &scenario)?;
     let asked = tiers_of(&scenario, args)?;
-    let n_seeds = args.seeds.unwrap_or(DEFAULT_SEEDS);
-    check_seeds(n_seeds, scenario.seed)?;
+    let n_seeds = seeds(args, scenario.seed)?;
     warn_of_idle_tiers(args, &asked);
     args.output.check()?;
     let recorded =
@@ -172,9 +171,11 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let whole = asked.iter().map(cost_of).reduce(ExpectedCost::and).expect("there is a tier");
     warn_of_cost("compare", &scenario, &whole);
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let (mut found, mut others, mut seeds) = (Tiers::default(), Vec::new(), None);
+    let (mut found, mut others, mut refused_by, mut seeds) = (Tiers::default(), Vec::new(), Vec::new(), None);
     let runs = ThreeWay::new(&scenario, &settings);
     args.foreign.with(&scenario, &settings, |engines| {
+        let (engines, refused) = Engine::willing(engines).map_err(|what| CliError::Engine(format!("--engine: {what}")))?;
+        refused_by = refused.into_iter().map(Refusal::from).collect();
         for tier in asked {
             let times = [cost_of(&tier), whole].map(|cost| cost.time_s);
             match tier {
@@ -183,15 +184,15 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
                     let (compared, finished) = closed_loop(runs, n_seeds, &asked, args.output.out.as_deref())?;
                     (found.closed_loop, seeds) = (Some(compared), Some(finished));
                 }
-                Tier::Prescribed => found.prescribed = Some(paths(tier, runs, engines, &mut others, times)?),
-                Tier::Replayed => found.replayed = Some(paths(tier, runs, engines, &mut others, times)?),
+                Tier::Prescribed => found.prescribed = Some(paths(tier, runs, &engines, &mut others, times)?),
+                Tier::Replayed => found.replayed = Some(paths(tier, runs, &engines, &mut others, times)?),
                 Tier::Controlled => unreachable!("the command line has no own controllers"),
             }
         }
         Ok(())
     })?;
     let comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
-    let mut comparison = comparison.with_other_engines(others);
+    let mut comparison = comparison.with_other_engines(others, refused_by);
     if let (Some(path), Some(trace)) = (&args.beside, recorded) {
         comparison.lay_beside(&name_of(path), trace).map_err(|rule| CliError::Usage(format!("--beside: {rule}")))?;
     }
@@ -219,14 +220,17 @@ fn told(args: &CompareArgs, comparison: &Comparison, scenario: &Scenario, writte
 /// Largest number of seeds of the closed loop (1). The results of all are in memory at the end.
 const MOST_SEEDS: usize = 100_000;
 
+/// Number of seeds of the closed loop.
+///
 /// # Errors
 /// When there are no seeds, too many, or when they end beyond the largest whole number.
-fn check_seeds(n: usize, first: u64) -> Result<(), CliError> {
+fn seeds(args: &CompareArgs, first: u64) -> Result<usize, CliError> {
+    let n = args.seeds.unwrap_or(DEFAULT_SEEDS);
     let fault = match n {
         0 => "must be at least 1, found 0".to_owned(),
         n if n > MOST_SEEDS => format!("must be at most {MOST_SEEDS}, found {n}; `cohaul sweep` takes more"),
         n if first.checked_add(n as u64 - 1).is_none() => format!("the last seed must be below 2^64, found {n} from {first}"),
-        _ => return Ok(()),
+        _ => return Ok(n),
     };
     Err(CliError::Usage(format!("--seeds: {fault}")))
 }
@@ -345,7 +349,7 @@ fn tone(comparison: &Comparison) -> Tone {
 fn paths(
     tier: Tier,
     runs: ThreeWay,
-    engines: &[Engine],
+    engines: &[&Engine],
     others: &mut Vec<Pathwise>,
     [time_s, whole_s]: [f64; 2],
 ) -> Result<Pathwise, CliError> {
@@ -354,7 +358,7 @@ fn paths(
         let progress = Progress::of_share(&label).expecting(time_s).as_part_of(whole_s);
         watched_by(progress, |watch| engine.paths(runs, tier, beside, watch)).ok_or(CliError::Interrupted)
     };
-    let first = compared(&engines[0], None)?;
+    let first = compared(engines[0], None)?;
     for engine in &engines[1..] {
         others.push(compared(engine, Some(&first))?);
     }

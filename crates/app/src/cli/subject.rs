@@ -1,6 +1,6 @@
 //! The engine that a command is about: one of the program's own, or a program of the user.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::Args;
 
@@ -13,7 +13,7 @@ use cohaul::scenario::Scenario;
 use cohaul_engines::engine::Open;
 use cohaul_engines::{Channel, Engine, Pipe};
 use cohaul_report::manifest::Libraries;
-use cohaul_studies::subject::{Ended, Fresh, Meet, built_in};
+use cohaul_studies::subject::{Meet, built_in, of_user};
 
 #[derive(Args)]
 pub struct SubjectArgs {
@@ -40,7 +40,7 @@ pub fn timeout(asked_s: Option<f64>) -> Duration {
 
 impl SubjectArgs {
     /// Runs `work` with the engine, its name, and whether it has inertia. A program has named
-    /// itself on this scenario, which it must take.
+    /// itself on this scenario, which it need not take.
     ///
     /// # Errors
     /// When a program does not start, or when options of rapier are given for another engine.
@@ -65,16 +65,6 @@ impl SubjectArgs {
         let open: &Open = &open;
         let options = BackendOptions::new(BackendKind::Rapier, step_s);
         let met = Engine::meet(open, scenario, &options).map_err(|what| CliError::Engine(format!("--engine: {what}")))?;
-        work(met.name(), &|scenario, options| fresh(open, scenario, options, timeout), true)
-    }
-}
-
-/// A run of a program. One that answers no request at all in time has not refused the scene.
-fn fresh(open: &Open, scenario: &Scenario, options: &BackendOptions, timeout: Duration) -> Result<Fresh, Ended> {
-    let clock = Instant::now();
-    match Engine::once(open, scenario, options) {
-        Ok((backend, complaint)) => Ok(Fresh { backend, complaint: Box::new(move || complaint.text()) }),
-        Err(what) if clock.elapsed() >= timeout => Err(Ended::Failed(what)),
-        Err(what) => Err(Ended::Refused(what)),
+        work(met.name(), &of_user(&met), true)
     }
 }

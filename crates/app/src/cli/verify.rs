@@ -6,12 +6,17 @@ use std::time::SystemTime;
 use clap::Args;
 use serde_json::json;
 
-use super::choice::{choice, did_you_mean};
+use super::choice::{choice, did_you_mean, seconds};
 use super::console::{Tone, detail, print};
 use super::error::CliError;
+use super::foreign::{met, method_of};
 use super::output::{JunitArgs, OutputArgs, study_manifest};
 use super::resumable;
-use cohaul::backend::BackendKind;
+use super::subject::timeout;
+use cohaul::analysis::compare::EngineName;
+use cohaul::backend::{BackendKind, BackendOptions};
+use cohaul_studies::conformance::{STEP_S, first_scene};
+use cohaul_studies::subject::{Meet, of_user, own};
 use cohaul_studies::verify::report::{Verification, list_text, verify_suite, verify_text, write_verification};
 use cohaul_studies::verify::{self, Case, Effort, Plan};
 
@@ -21,6 +26,7 @@ Examples:
   cohaul verify --quick
   cohaul verify slide --backend rapier --verbose
   cohaul verify --quick --junit out/verify.xml
+  cohaul verify --engine ./my_engine
   cohaul verify --list
 
 Files in DIR: table of all cases (CSV), figure, summary and manifest. The
@@ -32,11 +38,20 @@ pub struct VerifyArgs {
     /// Only this backend
     #[arg(long, value_parser = choice::<BackendKind>())]
     backend: Option<BackendKind>,
+    /// Only this engine, a program as a shell command, in the place of rapier
+    ///
+    /// It is asked at the same steps, and judged by the same bounds: those of a method of first
+    /// order without any other error. `cohaul conformance` grades errors instead.
+    #[arg(long, value_name = "CMD", conflicts_with = "backend")]
+    engine: Option<String>,
+    /// Longest time that a program may take to answer (s) [default: 60]
+    #[arg(long, value_name = "S", value_parser = seconds, requires = "engine", hide_short_help = true)]
+    engine_timeout_s: Option<f64>,
     /// Leave out the shortest step of each case and every second tolerance
     #[arg(long)]
     quick: bool,
     /// List the cases
-    #[arg(long, conflicts_with_all = ["json", "out", "junit", "backend", "quick"])]
+    #[arg(long, conflicts_with_all = ["json", "out", "junit", "backend", "engine", "quick"])]
     list: bool,
     #[command(flatten)]
     output: OutputArgs,
@@ -50,22 +65,33 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         print(&list_text(&cases))?;
         return Ok(ExitCode::SUCCESS);
     }
+    let Some(command) = &args.engine else { return verified(args, &cases, &own, None) };
+    let options = BackendOptions::new(BackendKind::Rapier, STEP_S);
+    met(std::slice::from_ref(command), timeout(args.engine_timeout_s), &first_scene(STEP_S), &options, |engines| {
+        let engine = &engines[0];
+        let cases = verify::put_to(method_of(engine.name())?, cases);
+        verified(args, &cases, &of_user(engine), Some(engine.name()))
+    })
+}
+
+fn verified(args: &VerifyArgs, cases: &[Case], meet: &Meet, engine: Option<&EngineName>) -> Result<ExitCode, CliError> {
     let wanted = |plan: &Plan| args.backend.is_none_or(|kind| kind == plan.method.kind);
-    if let Some(kind) = args.backend.filter(|_| !cases.iter().flat_map(|case| &case.plans).any(wanted)) {
-        return Err(CliError::Usage(format!("--backend: none of these cases has a known answer for {}", kind.name())));
+    if !cases.iter().flat_map(|case| &case.plans).any(wanted) {
+        let asked = args.backend.map_or("engines with inertia", BackendKind::name);
+        return Err(CliError::Usage(format!("CASE: none of these cases has a known answer for {asked}")));
     }
     args.output.check()?;
     args.junit.check()?;
     let effort = Effort::of(args.quick);
     let started = SystemTime::now();
     let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
-    let asked = json!({ "cases": names, "backend": args.backend, "quick": args.quick });
-    let finished = resumable::run("verify", &asked, &verify::tasks(&cases, wanted, effort), args.output.out.as_deref())?;
+    let asked = json!({ "cases": names, "backend": args.backend, "engine": engine, "quick": args.quick });
+    let finished = resumable::run("verify", &asked, &verify::tasks(cases, meet, wanted, effort), args.output.out.as_deref())?;
     let rows = finished.records.concat();
-    let found = Verification::new(&cases, &rows, effort, finished.wall_s);
+    let found = Verification { engine: engine.cloned(), ..Verification::new(cases, &rows, effort, finished.wall_s) };
     if let Some(out) = &args.output.out {
         let question = json!({ "name": "verify", "cases": found.cases });
-        let options = json!({ "backend": args.backend, "quick": args.quick });
+        let options = json!({ "backend": args.backend, "engine": engine, "quick": args.quick });
         write_verification(out, &found, &study_manifest(&question, &options, started))?;
     }
     args.junit.write(|| verify_suite(&found))?;

@@ -14,10 +14,13 @@ use super::work::Row;
 use crate::journal::JournalError;
 use crate::methods::{METHODS, Method};
 use crate::runner::Records;
+use crate::subject::{Meet, own};
 use cohaul::scenario::{Drive, Scenario};
 
-pub struct Plan {
+pub struct Plan<'a> {
     pub scenes: Vec<Scene>,
+    /// Engines of the user, and what makes their runs.
+    pub engines: Vec<(Method, &'a Meet<'a>)>,
     pub effort: Effort,
     /// The scene of ants whose friction problems both solvers get.
     pub solvers: Option<Scenario>,
@@ -70,17 +73,17 @@ const REFERENCES: f64 = 0.2;
 ///
 /// # Errors
 /// When `watch` ended it, a scene has no reference, or a record cannot be kept.
-pub fn bench(plan: &Plan, records: &mut Records<Value>, watch: &mut Watch) -> Result<Measured, BenchError> {
+pub fn bench<'a>(plan: &'a Plan<'a>, records: &mut Records<Value>, watch: &mut Watch) -> Result<Measured, BenchError> {
     let n_parts = (plan.scenes.len() + usize::from(plan.solvers.is_some()) + usize::from(plan.growth.is_some())).max(1) as f64;
     let mut parts = (0..).map(|part| Span(f64::from(part) / n_parts, f64::from(part + 1) / n_parts));
     let mut next_part = || parts.next().expect("numbers do not end");
-    let mut session = Session { effort: &plan.effort, records, next: 0, watch };
+    let mut session = Session { plan, effort: &plan.effort, records, next: 0, watch };
     let mut found = Measured::default();
     for scene in &plan.scenes {
         let part = next_part();
         let (facts, mut rows) = session.errors(scene, part.inner(0.0, FIRST))?;
         found.scenes.push(facts);
-        let time = |row: &Row| row.may_be_timed(ROUNDS * plan.effort.budget_s).then(|| row.time(scene));
+        let time = |row: &Row| row.may_be_timed(ROUNDS * plan.effort.budget_s).then(|| row.time(scene, plan.meet_of(&row.method)));
         session.rounds(part.inner(FIRST, 1.0), &mut rows, |row| &mut row.seconds, time)?;
         found.rows.append(&mut rows);
     }
@@ -117,6 +120,7 @@ impl Span {
 /// Measurements in their order, each a record by its number. What a measurement is depends on
 /// nothing but the plan and the measurements before it.
 struct Session<'a, 'b> {
+    plan: &'a Plan<'a>,
     effort: &'a Effort,
     records: &'a mut Records<Value>,
     next: usize,
@@ -154,21 +158,20 @@ impl Session<'_, '_> {
             references = find(watch)?;
             Ok(references.as_ref().map(|references| scene.facts(references)))
         })?;
-        let settings = settings(scene, self.effort, facts.path_length_m);
+        let settings = settings(scene, self.plan, facts.path_length_m);
         let (mut rows, budget): (Vec<Row>, f64) = (Vec::new(), self.effort.budget_s);
         for (i, (method, level)) in settings.iter().enumerate() {
-            let last = rows.last().filter(|row| row.method == method.name);
-            let is_left_out = last.is_some_and(|row| !row.is_answered());
+            let unanswered = rows.last().filter(|row| row.method == method.name && !row.is_answered());
             let row = self.measured(span.inner(REFERENCES, 1.0).item(i, settings.len()), |watch| {
-                if is_left_out {
-                    return Ok(Some(Row::left_out(scene, method, *level, budget)));
+                if let Some(coarser) = unanswered {
+                    return Ok(Some(coarser.left_out(scene, method, *level, budget)));
                 }
                 if references.is_none() {
                     references = find(watch)?;
                 }
                 let Some(references) = &references else { return Ok(None) };
                 let reference = (references.of(method.kind), facts.path_length_m);
-                Ok(Row::measure(scene, method, *level, reference, budget, watch))
+                Ok(Row::measure(scene, (method, self.plan.meet_of(method.name)), *level, reference, budget, watch))
             })?;
             rows.push(row);
         }
@@ -209,12 +212,18 @@ impl Session<'_, '_> {
     }
 }
 
-fn settings(scene: &Scene, effort: &Effort, path_length: f64) -> Vec<(Method, Level)> {
-    let asked = METHODS.iter().copied().filter(|method| scene.asks(method));
-    asked.flat_map(|method| scene.levels(&method, path_length, effort.quick).into_iter().map(move |level| (method, level))).collect()
+fn settings(scene: &Scene, plan: &Plan, path_length: f64) -> Vec<(Method, Level)> {
+    let of_user = plan.engines.iter().map(|(method, _)| *method);
+    let asked = METHODS.iter().copied().chain(of_user).filter(|method| scene.asks(method));
+    asked.flat_map(|method| scene.levels(&method, path_length, plan.effort.quick).into_iter().map(move |level| (method, level))).collect()
 }
 
-impl Plan {
+impl Plan<'_> {
+    /// What makes the runs of a method.
+    fn meet_of(&self, method: &str) -> &Meet<'_> {
+        self.engines.iter().find(|(engine, _)| engine.name == method).map_or(&own, |(_, meet)| *meet)
+    }
+
     /// Whether the scenes can be benchmarked: their tips are prescribed.
     ///
     /// # Errors

@@ -1,7 +1,11 @@
-//! CPU time, least and median.
+//! CPU time and real time, least and median.
+
+use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use serde::Serialize;
+
+use crate::methods::Method;
 
 /// A median this far above the least time says that the machine was busy with something else (1).
 pub const MOST_SPREAD: f64 = 1.25;
@@ -40,17 +44,28 @@ pub fn is_noisy(timings: &[Timing]) -> bool {
     n_spread as f64 > NOISY_SHARE * timings.len() as f64
 }
 
-/// A clock that runs while this thread does.
-pub struct Clock(ThreadTime);
+/// A clock that runs while this thread does, or all the time.
+pub enum Clock {
+    Thread(ThreadTime),
+    Real(Instant),
+}
 
 impl Clock {
     pub fn start() -> Self {
-        Clock(ThreadTime::now())
+        Clock::Thread(ThreadTime::now())
     }
 
-    /// CPU time since the start (s).
+    /// A clock for a method: CPU time says nothing of an engine that computes elsewhere.
+    pub fn of(method: &Method) -> Self {
+        if method.is_of_user { Clock::Real(Instant::now()) } else { Clock::start() }
+    }
+
+    /// Time since the start (s).
     pub fn seconds(&self) -> f64 {
-        self.0.elapsed().as_secs_f64()
+        match self {
+            Clock::Thread(start) => start.elapsed().as_secs_f64(),
+            Clock::Real(start) => start.elapsed().as_secs_f64(),
+        }
     }
 }
 

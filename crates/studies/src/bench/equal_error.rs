@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::work::Row;
-use crate::methods::{METHODS, Method};
+use crate::methods::Method;
 use cohaul::backend::Setting;
 
 /// Levels of error over the length of the path (1).
@@ -51,11 +51,12 @@ pub fn equal_errors(rows: &[Row]) -> Vec<EqualError> {
 fn at_level(scene: &str, error: f64, rows: &[Row]) -> Vec<EqualError> {
     let of = |method: &str| rows.iter().filter(|row| row.scene == scene && row.method == method).collect::<Vec<&Row>>();
     let time = |row: &Row| row.timing().map(|timing| timing.min_s);
-    let tried = METHODS.iter().map(|method| (method, of(method.name))).filter(|(_, rows)| !rows.is_empty());
+    let tried = Method::all().map(|method| (method, of(method.name))).filter(|(_, rows)| !rows.is_empty());
     let found: Vec<_> = tried.map(|(method, rows)| (method, cheapest(&rows, error))).collect();
-    let rapier = found.iter().filter(|(method, _)| method.kind.reads(Setting::Engine)).filter_map(|(_, row)| time((*row)?));
+    let rapier =
+        found.iter().filter(|(method, _)| method.kind.reads(Setting::Engine) && !method.is_of_user).filter_map(|(_, row)| time((*row)?));
     let rapier = rapier.min_by(f64::total_cmp);
-    let line = |(method, row): &(&Method, Option<&Row>)| {
+    let line = |(method, row): &(Method, Option<&Row>)| {
         let cpu_s = row.and_then(time);
         EqualError {
             scene: scene.to_owned(),

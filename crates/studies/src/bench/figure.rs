@@ -1,7 +1,7 @@
 //! Figures of a benchmark: error over CPU time, and cost over size.
 
 use crate::bench::{Ending, GrowthPoint, Quantity, Row, SceneFacts};
-use crate::methods::METHODS;
+use crate::methods::Method;
 use cohaul_report::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use cohaul_report::chart::{COLUMN_WIDTH, PANEL_HEIGHT, WORK_HEIGHT, grid};
 
@@ -19,13 +19,13 @@ const SHARED: [&str; 2] = ["quasi-static", "inertial midpoint"];
 /// drawn there.
 pub fn work_precision_figure(facts: &SceneFacts, rows: &[Row], budget: f64) -> String {
     let rows: Vec<&Row> = rows.iter().filter(|row| row.scene == facts.scene).collect();
-    let is_engine = |method: &str| method.starts_with("rapier");
+    let is_engine = |method: &str| method.parse::<Method>().is_ok_and(|method| !method.kind.is_exact());
     let exact = |method: &str| !is_engine(method);
     let engine = |method: &str| is_engine(method) || SHARED.contains(&method);
     let room = rows.iter().filter_map(|row| point(row, budget)).collect::<Vec<_>>();
     let panels = [panel(&rows, &exact, budget, &room), panel(&rows, &engine, budget, &room)];
     let entries = |of: &dyn Fn(&str) -> bool| {
-        let shown = METHODS.iter().map(|method| method.name).filter(|name| of(name) && rows.iter().any(|row| row.method == *name));
+        let shown = Method::all().map(|method| method.name).filter(|name| of(name) && rows.iter().any(|row| row.method == *name));
         shown.map(|name| Entry::line(name, style(name))).collect::<Vec<Entry>>()
     };
     let failures = Entry::line("crosses: not converged, no answer, or too long", FAILURE);
@@ -36,7 +36,7 @@ pub fn work_precision_figure(facts: &SceneFacts, rows: &[Row], budget: f64) -> S
 fn panel(rows: &[&Row], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[f64; 2]]) -> Panel {
     let mut panel = Panel::new("CPU time (s)", "largest error / path length (1)", Scale::LogLog);
     panel.add(room.to_vec(), FAILURE, Shape::Unseen);
-    for method in METHODS.iter().filter(|method| of(method.name)) {
+    for method in Method::all().filter(|method| of(method.name)) {
         let own = |is_shown: fn(&Row) -> bool| {
             let own = rows.iter().filter(|row| row.method == method.name && is_shown(row));
             own.filter_map(|row| point(row, budget)).collect()
@@ -83,7 +83,10 @@ fn style(method: &str) -> Style {
         "rapier aligned force" => ("#777777", "2 2.5", 1.5),
         "rapier engine defaults" => ("#CC79A7", "7 3", 1.5),
         "rapier engine defaults f32" => ("#CC79A7", "2 2.5", 1.5),
-        _ => ("#999999", "9 3 2 3", 1.5),
+        of_user => {
+            let of_user = Method::all().filter(|method| method.is_of_user).position(|method| method.name == of_user);
+            return of_user.map_or(Style { color: "#999999", dash: "9 3 2 3", width: 1.5 }, Style::of_pair);
+        }
     };
     Style { color, dash, width }
 }

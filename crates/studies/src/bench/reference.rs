@@ -88,19 +88,18 @@ fn row_times(scenario: &Scenario) -> impl Iterator<Item = f64> {
 /// Rows of a run under error control.
 fn run(scenario: &Scenario, kind: BackendKind, tolerance: f64, mut watch: impl FnMut(f64) -> bool) -> Option<Result<Vec<Row>, String>> {
     let options = BackendOptions::within(kind, Tolerance::at_edge(tolerance, &scenario.system.load));
-    let (trace, outcome) = finished(scenario, &options, Keep::Trace, |time| watch(time / scenario.duration))?.into_results();
+    let start = |options: &BackendOptions| Simulation::new(scenario, options, Keep::Trace);
+    let (trace, outcome) = finished(start, &options, |time| watch(time / scenario.duration))?.into_results();
     let failed = outcome.steps.status == Status::Failed;
     Some(if failed { Err(format!("{}: the reference has no finite answer", kind.name())) } else { Ok(trace.rows) })
 }
 
-/// A run to its end; `None` when `watch` stopped it.
+/// A run that `start` makes, to its end; `None` when `watch` stopped it.
 pub fn finished<'a>(
-    scenario: &'a Scenario,
+    start: impl Fn(&BackendOptions) -> Simulation<'a>,
     options: &BackendOptions,
-    keep: Keep,
     watch: impl FnMut(f64) -> bool,
 ) -> Option<Simulation<'a>> {
-    let start = |options: &BackendOptions| Simulation::new(scenario, options, keep);
     let mut run = start(options);
     run.run_to_tolerance(start, watch);
     run.is_finished().then_some(run)

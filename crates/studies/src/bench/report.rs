@@ -3,9 +3,10 @@
 use serde::Serialize;
 
 use crate::bench::{
-    Effort, EqualError, GrowthPoint, Host, MOST_SPREAD, Measured, NOISY_SHARE, Row, SceneFacts, Sequence, Solver, SolverRow, Timing,
-    equal_errors, fits, is_noisy,
+    Effort, Ending, EqualError, GrowthPoint, Host, MOST_SPREAD, Measured, NOISY_SHARE, Row, SceneFacts, Sequence, Solver, SolverRow,
+    Timing, equal_errors, fits, is_noisy,
 };
+use cohaul::analysis::compare::EngineName;
 use cohaul::formats::{self, Format, Versioned};
 use cohaul_report::table::Table;
 
@@ -14,6 +15,9 @@ use cohaul_report::table::Table;
 pub struct Benchmark {
     pub host: Host,
     pub effort: Effort,
+    /// Engines of the user, whose times are real times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub engines: Vec<EngineName>,
     pub noise: Noise,
     pub warnings: Vec<String>,
     pub wall_s: f64,
@@ -62,6 +66,7 @@ impl Benchmark {
             warnings: warnings(&host, &noise),
             host,
             effort,
+            engines: Vec::new(),
             noise,
             wall_s,
             scenes: measured.scenes.clone(),
@@ -73,6 +78,22 @@ impl Benchmark {
             fits: growth_fits(&measured.growth),
             measured,
         }
+    }
+}
+
+impl Benchmark {
+    /// What was wrong with engines of the user, and which scenes they refuse, each once.
+    pub fn faults(&self) -> Vec<(&str, String)> {
+        let ended = |row: &&Row| matches!(row.ending, Ending::Wrong(_) | Ending::Refused(_));
+        let mut faults: Vec<_> =
+            self.measured.rows.iter().filter(ended).map(|row| (&*row.method, row.cause().unwrap_or_default())).collect();
+        faults.dedup();
+        faults
+    }
+
+    /// Whether something was wrong with an engine of the user.
+    pub fn has_failed(&self) -> bool {
+        self.measured.rows.iter().any(|row| matches!(row.ending, Ending::Wrong(_)))
     }
 }
 

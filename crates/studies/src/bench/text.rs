@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use crate::bench::report::Benchmark;
 use crate::bench::{Ending, EqualError, Fit, SceneFacts, SolverRow, fits};
-use crate::methods::METHODS;
+use crate::methods::Method;
 use cohaul_report::quantity::{number, quantity};
 use cohaul_report::table::{Table, wrapped};
 use cohaul_report::text::WIDTH;
@@ -20,6 +20,12 @@ pub fn bench_text(found: &Benchmark) -> String {
     text.push_str(&growth_text(&fits(&found.measured.growth)));
     if found.measured.rows.iter().any(|row| row.method.starts_with("rapier")) {
         text.push_str(ENGINE_SETTINGS);
+    }
+    for engine in &found.engines {
+        writeln!(text, "{}: real time after its start, since it computes elsewhere", engine.text()).expect("a string takes all");
+    }
+    for (engine, what) in found.faults() {
+        writeln!(text, "{engine}: {what}").expect("a string takes all");
     }
     text.push_str(&trust_text(found));
     text
@@ -52,7 +58,7 @@ pub fn equal_error_table(facts: &SceneFacts, found: &Benchmark, head: &str, miss
     levels.dedup();
     let heads = levels.iter().map(|level| format!("{level:.0e}"));
     let mut table = Table::new("", [head.to_owned()].into_iter().chain(heads));
-    for method in METHODS.iter().map(|method| method.name).filter(|name| lines.iter().any(|line| line.method == *name)) {
+    for method in Method::all().map(|method| method.name).filter(|name| lines.iter().any(|line| line.method == *name)) {
         let cell = |level: &f64| {
             let line = lines.iter().find(|line| line.error == *level && line.method == method)?;
             let ratio = line.over_rapier.map_or(String::new(), |ratio| format!(" ({})", shown(ratio)));

@@ -6,7 +6,8 @@ use super::clock::{Clock, Timing, time_of};
 use super::reference::{Reference, finished};
 use super::scene::{Level, Scene};
 use crate::methods::Method;
-use cohaul::backend::Status;
+use crate::subject::{Ended, Meet, Runs};
+use cohaul::backend::{BackendOptions, Status};
 use cohaul::simulation::Keep;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,7 +28,7 @@ pub struct Row {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", tag = "kind", content = "budget_s")]
+#[serde(rename_all = "snake_case", tag = "kind", content = "of")]
 pub enum Ending {
     /// Every step met its tolerance.
     Converged,
@@ -35,11 +36,19 @@ pub enum Ending {
     NotConverged,
     /// Some step had no finite answer.
     Failed,
+    /// Something was wrong with an engine of the user.
+    Wrong(String),
+    /// An engine of the user does not take the scene.
+    Refused(String),
     /// It took longer than this (s).
     TooLong(f64),
     /// A coarser setting took longer than this (s).
     LeftOut(f64),
 }
+
+/// Time that an engine of the user may take, over that of another method (1): programs that answer
+/// lines are slower, and few of them are here.
+const OF_USER: f64 = 10.0;
 
 impl Row {
     pub fn method(&self) -> Method {
@@ -52,10 +61,12 @@ impl Row {
 
     /// Why the setting did not succeed.
     pub fn cause(&self) -> Option<String> {
-        match self.ending {
+        match &self.ending {
             Ending::Converged => None,
             Ending::NotConverged => Some(format!("{} of {} steps did not converge", self.n_not_converged, self.n_steps)),
             Ending::Failed => Some("a step had no finite answer".to_owned()),
+            Ending::Wrong(what) => Some(what.clone()),
+            Ending::Refused(why) => Some(format!("refused: {why}")),
             Ending::TooLong(budget) => Some(format!("took longer than {budget} s")),
             Ending::LeftOut(budget) => Some(format!("left out: a coarser setting took longer than {budget} s")),
         }
@@ -63,7 +74,7 @@ impl Row {
 
     /// Whether the setting ran to its end.
     pub fn is_answered(&self) -> bool {
-        !matches!(self.ending, Ending::TooLong(_) | Ending::LeftOut(_))
+        !matches!(self.ending, Ending::TooLong(_) | Ending::LeftOut(_) | Ending::Wrong(_) | Ending::Refused(_))
     }
 
     fn unanswered(scene: &Scene, method: &Method, level: Level, ending: Ending) -> Self {
@@ -81,28 +92,42 @@ impl Row {
         }
     }
 
-    /// A setting finer than one that took too long.
-    pub fn left_out(scene: &Scene, method: &Method, level: Level, budget: f64) -> Self {
-        Self::unanswered(scene, method, level, Ending::LeftOut(budget))
+    /// A setting finer than one that took too long, or that its engine did not run.
+    pub fn left_out(&self, scene: &Scene, method: &Method, level: Level, budget: f64) -> Self {
+        let is_of_engine = matches!(self.ending, Ending::Wrong(_) | Ending::Refused(_));
+        let ending = if is_of_engine { self.ending.clone() } else { Ending::LeftOut(budget) };
+        Self::unanswered(scene, method, level, ending)
     }
 
-    /// Runs the setting once for its error, for `budget` (s) of CPU time at most. `watch`
-    /// receives the share done (1) and returns whether to continue; `None` when it said to stop.
+    /// Runs the setting once for its error, for `budget` (s) at most. `watch` receives the share
+    /// done (1) and returns whether to continue; `None` when it said to stop.
     pub fn measure(
         scene: &Scene,
-        method: &Method,
+        (method, meet): (&Method, &Meet),
         level: Level,
         (reference, path_length): (&Reference, f64),
         budget: f64,
         mut watch: impl FnMut(f64) -> bool,
     ) -> Option<Self> {
         let scenario = &scene.scenario;
-        let (clock, mut is_asked_to_stop) = (Clock::start(), false);
-        let run = finished(scenario, &level.options(method, &scenario.system.load), Keep::Trace, |time| {
-            is_asked_to_stop = !watch(time / scenario.duration);
-            !is_asked_to_stop && clock.seconds() < budget
-        });
+        let options = level.options(method, &scenario.system.load);
+        let runs = Runs::by(meet, options);
+        let (mut clock, mut is_asked_to_stop) = (None, false);
+        let budget = if method.is_of_user { OF_USER * budget } else { budget };
+        let run = finished(
+            |options| runs.simulation(scenario, options, Keep::Trace),
+            &options,
+            |time| {
+                is_asked_to_stop = !watch(time / scenario.duration);
+                !is_asked_to_stop && clock.get_or_insert_with(|| Clock::of(method)).seconds() < budget
+            },
+        );
         let row = |ending| Self::unanswered(scene, method, level, ending);
+        match runs.ended() {
+            Some(Ended::Refused(why)) => return Some(row(Ending::Refused(why))),
+            Some(Ended::Failed(what)) => return Some(row(Ending::Wrong(what))),
+            _ => {}
+        }
         let Some(run) = run else { return (!is_asked_to_stop).then(|| row(Ending::TooLong(budget))) };
         let (trace, outcome) = run.into_results();
         let poses = trace.rows.iter().map(|row| row.motion.pose);
@@ -131,10 +156,20 @@ impl Row {
         !is_spent && self.is_answered() && self.ending != Ending::Failed
     }
 
-    /// CPU time of one more run, or of several that are too short alone (s). Nothing watches the
-    /// run, because that would take time too.
-    pub fn time(&self, scene: &Scene) -> f64 {
-        let options = self.level.options(&self.method(), &scene.scenario.system.load);
-        time_of(|| drop(finished(&scene.scenario, &options, Keep::Outcome, |_| true)))
+    /// Time of one more run, or of several that are too short alone (s): CPU time, and of an engine
+    /// of the user, which computes elsewhere, real time. Nothing watches the run, because that
+    /// would take time too.
+    pub fn time(&self, scene: &Scene, meet: &Meet) -> f64 {
+        let (method, scenario) = (self.method(), &scene.scenario);
+        let options = self.level.options(&method, &scenario.system.load);
+        let start = |options: &BackendOptions| Runs::by(meet, *options).simulation(scenario, options, Keep::Outcome);
+        if method.is_of_user {
+            // A program starts before the clock does.
+            let mut run = start(&options);
+            let clock = Clock::of(&method);
+            run.run(|_| true);
+            return clock.seconds();
+        }
+        time_of(|| drop(finished(start, &options, |_| true)))
     }
 }

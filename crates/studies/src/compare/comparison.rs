@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::compare::answer;
 use crate::compare::beside::Beside;
-use cohaul::analysis::compare::{ClosedLoop, Pathwise, Settings, Verdict};
+use cohaul::analysis::compare::{ClosedLoop, EngineName, Pathwise, Settings, Verdict};
 use cohaul::formats::{self, Format, Versioned};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Health, Trace};
@@ -23,11 +23,27 @@ pub struct Comparison {
     /// Paths of the engines after the first, beside the same exact paths as in the tiers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub other_engines: Vec<Pathwise>,
+    /// Engines that do not take the scene, where others do.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub refused_by: Vec<Refusal>,
     /// A path recorded elsewhere, beside those of the first tier of paths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside: Option<Beside>,
     /// Real time that the comparison took (s).
     pub wall_s: f64,
+}
+
+/// An engine that does not take the scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Refusal {
+    pub engine: EngineName,
+    pub why: String,
+}
+
+impl From<(&EngineName, &str)> for Refusal {
+    fn from((engine, why): (&EngineName, &str)) -> Self {
+        Self { engine: engine.clone(), why: why.to_owned() }
+    }
 }
 
 impl Versioned for Comparison {
@@ -51,16 +67,19 @@ impl Comparison {
         let paths = tiers.pathwise().next().map(answer::sentence_of_paths);
         let answer = paths.or(tiers.closed_loop.as_ref().map(answer::sentence_of_ensemble)).unwrap_or_default();
         let (scenario, seed) = (scenario.name.clone(), scenario.seed);
-        Self { answer, scenario, seed, settings: *settings, tiers, other_engines: Vec::new(), beside: None, wall_s }
+        Self { answer, scenario, seed, settings: *settings, tiers, other_engines: Vec::new(), refused_by: Vec::new(), beside: None, wall_s }
     }
 
-    /// With the paths of other engines. The answer has their errors too.
-    pub fn with_other_engines(mut self, others: Vec<Pathwise>) -> Self {
+    /// With the paths of other engines, and those that refuse the scene. The answer has them too.
+    pub fn with_other_engines(mut self, others: Vec<Pathwise>, refused_by: Vec<Refusal>) -> Self {
         let tier = self.tiers.pathwise().next().map(|found| found.tier);
         for other in others.iter().filter(|other| Some(other.tier) == tier) {
             self.answer = format!("{} {}", self.answer, answer::sentence_of_engine(other));
         }
-        Self { other_engines: others, ..self }
+        for Refusal { engine, why } in &refused_by {
+            self.answer = format!("{} {} refuses the scene: {}.", self.answer, engine.name, why.trim_end_matches('.'));
+        }
+        Self { other_engines: others, refused_by, ..self }
     }
 
     /// Comparisons of paths of all engines, those of the first one before the others.

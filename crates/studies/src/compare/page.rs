@@ -100,8 +100,9 @@ fn pathwise(page: Page, found: &Pathwise, comparison: &Comparison, scenario: &Sc
     // The replay is in sight on the first screen.
     let mut page = page.section(name, vec![Block::Replay(Box::new(replay))]);
     let engines = comparison.side_by_side(found);
-    if engines.len() > 1 {
-        page = page.section(format!("{}: engines side by side", tier_name(found.tier)), side_by_side::section(&engines));
+    if side_by_side::is_shown(&engines, &comparison.refused_by) {
+        let beside = side_by_side::section(&engines, &comparison.refused_by);
+        page = page.section(format!("{}: engines side by side", tier_name(found.tier)), beside);
     }
     page.section("Over time", over_time(&runs, &scene_of(found, scenario)))
         .section(format!("{}: each quantity", tier_name(found.tier)), quantities(found))

@@ -1,6 +1,7 @@
 //! Several engines side by side, on the same scene and the same exact paths.
 
 use crate::compare::answer::words_of;
+use crate::compare::comparison::Refusal;
 use crate::compare::words::{WORDS, wrapped};
 use cohaul::analysis::compare::{EngineAnswer, Pathwise, QuantityVerdict};
 use cohaul_report::page::Block;
@@ -11,8 +12,13 @@ use cohaul_report::table::Table;
 /// Columns for a name.
 const NAME: usize = 20;
 
+/// Whether there are others beside the one engine that was compared.
+pub fn is_shown(found: &[&Pathwise], refused_by: &[Refusal]) -> bool {
+    found.len() + refused_by.len() > 1
+}
+
 /// A line for each engine: its errors on the path, and what is not within its tolerance.
-pub fn text(found: &[&Pathwise]) -> String {
+pub fn text(found: &[&Pathwise], refused_by: &[Refusal]) -> String {
     let row = |[name, path, step, order, model, beyond]: [&str; 6]| {
         format!("{}\n", format!("{name:<NAME$} {path:<9} {step:<9} {order:<9} {model:<9} {beyond}").trim_end())
     };
@@ -29,11 +35,14 @@ pub fn text(found: &[&Pathwise]) -> String {
         text += &row([&name, &path, &step, &order, &model, &words.next().unwrap_or_default()]);
         words.for_each(|rest| text += &row(["", "", "", "", "", &rest]));
     }
+    for Refusal { engine, .. } in refused_by {
+        text += &format!("  {}: refuses the scene\n", engine.name);
+    }
     text
 }
 
 /// The section of a report: the errors of each engine on every quantity.
-pub fn section(found: &[&Pathwise]) -> Vec<Block> {
+pub fn section(found: &[&Pathwise], refused_by: &[Refusal]) -> Vec<Block> {
     let on_path_alone = ["engine", "version", "error on the path", "time step", "order", "model", "error of time step and model"];
     let mut paths = Table::new("Engine errors on the path; the tolerance is that of all", on_path_alone);
     let names: Vec<&str> = found.iter().flat_map(|of| of.verdicts.shown()).map(|(name, _)| name).collect();
@@ -57,7 +66,12 @@ pub fn section(found: &[&Pathwise]) -> Vec<Block> {
         shares.push(row(share));
         causes.push(row(|of| Some(words_of(of, [false, true])).filter(|words| !words.is_empty()).unwrap_or_else(|| "within".to_owned())));
     }
-    vec![Block::Table(paths), Block::Table(shares), Block::Table(causes)]
+    let mut refusals = Table::new("Engines that refuse the scene", ["engine", "version", "why"]);
+    for Refusal { engine, why } in refused_by {
+        refusals.push([engine.name.to_string(), engine.version.clone().unwrap_or_default(), why.clone()]);
+    }
+    let tables = [paths, shares, causes].into_iter().chain((!refused_by.is_empty()).then_some(refusals));
+    tables.map(Block::Table).collect()
 }
 
 /// Error on the path, its part of the time step with the order, and its part of the model.

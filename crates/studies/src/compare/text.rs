@@ -29,7 +29,8 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
     let of_ensemble = comparison.tiers.closed_loop.as_ref().map_or(0, |found| measures(found).lines().count());
     for found in comparison.tiers.pathwise() {
         let engines = comparison.side_by_side(found);
-        let beside = if engines.len() > 1 { side_by_side::text(&engines) } else { String::new() };
+        let refused_by = &comparison.refused_by;
+        let beside = if side_by_side::is_shown(&engines, refused_by) { side_by_side::text(&engines, refused_by) } else { String::new() };
         let verdicts = verdicts(found) + &beside;
         lines.text += &verdicts;
         match detail {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::grade::MEANING;
-use super::report::{Conformance, conformance_markdown, named};
+use super::report::{Conformance, conformance_markdown};
 use cohaul_report::folder::{FolderError, OutputFolder};
 use cohaul_report::manifest::Manifest;
 use cohaul_report::page::{Answer, Block, Headline, Number, Page, REPORT};
@@ -25,7 +25,7 @@ pub fn conformance_page(found: &Conformance, manifest: &Manifest) -> Page {
         number("refused", counts.refused),
         number("failed", counts.failed),
     ];
-    Page::new(format!("Conformance of {}", named(&found.engine)), Headline::new(mark, &*found.answer).with(Block::Numbers(numbers)))
+    Page::new(format!("Conformance of {}", found.engine.text()), Headline::new(mark, &*found.answer).with(Block::Numbers(numbers)))
         .from(manifest)
         .section("Known answers", vec![Block::Table(found.table()), Block::text(MEANING)])
         .section("Questions", vec![Block::Table(found.questions())])

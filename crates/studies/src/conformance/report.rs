@@ -78,7 +78,7 @@ impl Conformance {
         };
         let tests: Vec<Row> = tests.iter().zip(answers).map(row).collect();
         let counts = Counts::of(&tests);
-        let named = named(&engine);
+        let named = engine.text();
         let line = format!("cohaul conformance: {}; {named} at {}", in_words(&counts), short_quantity(step_s, "s"));
         let answer = format!("{named} at {}: {}.", short_quantity(step_s, "s"), in_words(&counts));
         Self { answer, line, engine, step_s, counts, tests }
@@ -100,11 +100,6 @@ impl Conformance {
         let row = |row: &Row| [row.key.to_owned(), upper(row.what), row.source.to_owned(), row.meaning.to_owned()];
         Table::new("Questions", ["test", "question", "known answer", "it tells"]).with_rows(self.tests.iter().map(row))
     }
-}
-
-/// Name and version.
-pub fn named(engine: &EngineName) -> String {
-    engine.version.as_ref().map_or_else(|| engine.name.to_string(), |version| format!("{} {version}", engine.name))
 }
 
 fn in_words(counts: &Counts) -> String {
@@ -166,7 +161,7 @@ pub fn conformance_text(found: &Conformance, detail: Detail) -> String {
 
 /// The table as Markdown, to be kept beside an engine.
 pub fn conformance_markdown(found: &Conformance) -> String {
-    let title = format!("# Conformance of {}", named(&found.engine));
+    let title = format!("# Conformance of {}", found.engine.text());
     let [table, questions] = [found.table(), found.questions()].map(|table| table.markdown());
     wrapped_markdown(&format!("{title}\n\n{}\n\n{table}\n{MEANING}\n\n## Questions\n\n{questions}", found.answer))
 }

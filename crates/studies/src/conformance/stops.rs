@@ -138,7 +138,7 @@ fn order(asked: &Asked) -> Result<Vec<Measure>, Ended> {
     let accuracy = 1e-9 * length;
     let of_limit = Measure::over(length, "end in the limit of small steps", "m", 0.0, apart(limit, known), accuracy);
     // What lies between two steps, as the stop, moves a measured order by a few hundredths.
-    let of_order = order.is_finite().then(|| Measure::at_least("order", 1.0, order, 0.05));
+    let of_order = order.is_finite().then(|| Measure::at_least("order", "", 1.0, order, 0.05));
     Ok(of_order.into_iter().chain([of_limit]).collect())
 }
 
@@ -162,5 +162,6 @@ fn isotropy(asked: &Asked) -> Result<Vec<Measure>, Ended> {
     };
     let found = [0.0, 15.0, 30.0, 45.0].into_iter().map(distance).collect::<Result<Vec<f64>, Ended>>()?;
     let [least, most] = [found.iter().copied().fold(f64::INFINITY, f64::min), found.iter().copied().fold(0.0, f64::max)];
-    Ok(vec![Measure::over(known, "spread", "m", 0.0, most - least, CLOSED * known)])
+    let moved = Measure::at_least("least distance, at least", "m", 0.5 * known, least, 0.0);
+    Ok(vec![Measure::over(known, "spread", "m", 0.0, most - least, CLOSED * known), moved])
 }

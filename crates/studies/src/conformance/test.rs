@@ -77,10 +77,10 @@ impl Measure {
         Self::with_error(error, error / size.abs(), name, unit, [known, found, accuracy])
     }
 
-    /// A number without a unit that should be at least the known one.
-    pub fn at_least(name: &str, known: f64, found: f64, accuracy: f64) -> Self {
+    /// A number that should be at least the known one.
+    pub fn at_least(name: &str, unit: &str, known: f64, found: f64, accuracy: f64) -> Self {
         let error = (found - known).min(0.0);
-        Self::with_error(error, error / known, name, "", [known, found, accuracy])
+        Self::with_error(error, error / known, name, unit, [known, found, accuracy])
     }
 
     fn with_error(error: f64, relative_error: f64, name: &str, unit: &str, [known, found, accuracy]: [f64; 3]) -> Self {

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use super::record::{EngineOf, Error, Quantity, Record, SceneRecord};
+use super::record::{Error, Quantity, Record, SceneRecord};
 use crate::subject::{Ended, Fresh, Meet};
 use cohaul::analysis::compare::{EngineName, Pathwise, Settings, ThreeWay, Verdict};
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Unmoved};
@@ -35,7 +35,7 @@ pub fn record(
     let scenes = scenes.iter().enumerate().map(of).collect::<Option<Vec<_>>>()?;
     let (version, commit) = build_of_program();
     let cohaul = commit.map_or(version.to_owned(), |commit| format!("{version} ({commit})"));
-    Some(Record { engine: EngineOf::from(engine), cohaul, step_s, scenes })
+    Some(Record { engine: engine.clone(), cohaul, step_s, scenes })
 }
 
 fn on_scene(

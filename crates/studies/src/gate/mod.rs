@@ -21,6 +21,6 @@ mod scenes;
 
 pub use change::{Change, MARGIN, MeasureChange, QuantityChange, SceneChange};
 pub use measured::{record, settings};
-pub use record::{EngineOf, Error, Quantity, Record, SceneRecord, file_name};
+pub use record::{Error, Quantity, Record, SceneRecord, file_name};
 pub use report::Gate;
 pub use scenes::usual;

@@ -15,20 +15,12 @@ use cohaul_report::sibling::write_whole;
 /// Errors of a build of an engine on scenes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    pub engine: EngineOf,
+    pub engine: EngineName,
     /// Version of the program that found the errors.
     pub cohaul: String,
     /// Longest step of the engine (s); `null` for the default of each scene.
     pub step_s: Option<f64>,
     pub scenes: Vec<SceneRecord>,
-}
-
-/// Name and version of an engine.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct EngineOf {
-    pub name: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub version: Option<String>,
 }
 
 /// Errors on one scene.
@@ -70,19 +62,6 @@ pub struct Error {
 
 impl Versioned for Record {
     const FORMAT: Format = formats::GATE_RECORD;
-}
-
-impl From<&EngineName> for EngineOf {
-    fn from(engine: &EngineName) -> Self {
-        Self { name: engine.name.to_string(), version: engine.version.clone() }
-    }
-}
-
-impl EngineOf {
-    /// Name and version.
-    pub fn text(&self) -> String {
-        self.version.as_ref().map_or_else(|| self.name.clone(), |version| format!("{} {version}", self.name))
-    }
 }
 
 /// File of an engine in the folder of a gate: its name in plain letters.

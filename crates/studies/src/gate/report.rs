@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::change::{Change, QuantityChange, SceneChange};
-use super::record::{EngineOf, Record};
+use super::record::Record;
+use cohaul::analysis::compare::EngineName;
 use cohaul::formats::{self, Format, Versioned};
 use cohaul_report::folder::{FolderError, OutputFolder};
 use cohaul_report::junit;
@@ -35,7 +36,7 @@ pub struct Gate {
 /// A build of an engine, and of the program that found its errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Build {
-    pub engine: EngineOf,
+    pub engine: EngineName,
     pub cohaul: String,
     /// Longest step (s); `null` for the default of each scene.
     pub step_s: Option<f64>,

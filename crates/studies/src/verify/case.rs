@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::measured::{Errors, Measured};
 use crate::methods::Method;
 use crate::runner::Effort;
+use crate::subject::Runs;
 use crate::variants::names;
 use cohaul::backend::{BackendOptions, Tolerance};
 use cohaul::model::Load;
@@ -20,8 +21,8 @@ pub struct Case {
     pub plans: Vec<Plan>,
 }
 
-/// Puts the question to a backend of these options.
-pub type Run = Box<dyn Fn(&BackendOptions) -> Measured + Send + Sync>;
+/// Puts the question to a backend or an engine.
+pub type Run = Box<dyn Fn(&Runs) -> Measured + Send + Sync>;
 
 /// Cases that test the same law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,8 +86,22 @@ pub struct Bound {
 impl Case {
     /// The answer of a backend of these options, beside the known one.
     pub fn run(&self, options: &BackendOptions) -> Measured {
-        (self.run)(options)
+        (self.run)(&Runs::of(*options))
     }
+}
+
+/// The cases that ask rapier, put to an engine of the user in its place, at the same steps and
+/// within the same bounds: those of a method of first order. A higher order is right as well.
+pub fn put_to(method: Method, mut cases: Vec<Case>) -> Vec<Case> {
+    for case in &mut cases {
+        case.plans.retain(|plan| plan.method == Method::RAPIER);
+        for plan in &mut case.plans {
+            let expected = if let Expected::Order(order) = plan.expected { Expected::Within(order) } else { plan.expected };
+            *plan = Plan { method, expected, limit: None, ..plan.clone() };
+        }
+    }
+    cases.retain(|case| !case.plans.is_empty());
+    cases
 }
 
 impl Family {

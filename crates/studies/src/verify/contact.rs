@@ -8,9 +8,9 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Errors, Measured, Value};
 use super::scenes::SUPPORT_RADIUS;
 use crate::methods::Method;
-use cohaul::backend::BackendOptions;
+use crate::subject::Runs;
 use cohaul::scenario::Scenario;
-use cohaul::simulation::{Keep, Simulation};
+use cohaul::simulation::Keep;
 
 /// Longest step (s), which is the control period of all scenes.
 const STEP: f64 = 1e-3;
@@ -216,8 +216,8 @@ fn case_until(until: f64, scene: Scene, mut plans: Vec<Plan>, controlled: Option
     let load = scenario.system.load;
     let errors = Errors { metres: Some(0.0), radians: heading.map(|_| 0.0), ratio: None };
     plans.extend(controlled.map(|method| Plan::controlled(method, &load, &errors)));
-    let run = move |options: &BackendOptions| {
-        let mut run = Simulation::new(&scenario, options, Keep::Outcome);
+    let run = move |runs: &Runs| {
+        let mut run = runs.simulation(&scenario, runs, Keep::Outcome);
         run.run(|_| true);
         let outcome = run.outcome();
         let found = outcome.motion.pose;

@@ -10,7 +10,8 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{LOAD_RADIUS, RADIAL, REST_LENGTH, SLIP_LIMIT, SUPPORT_RADIUS, distance, isotropic, paper_system};
 use crate::methods::Method;
-use cohaul::backend::{Backend, BackendOptions, Motion, StepReport, build};
+use crate::subject::Runs;
+use cohaul::backend::{Backend, Motion, StepReport};
 use cohaul::math::{Pose, Twist, Vec2, bisected, direction, rotation};
 use cohaul::model::PolarSpring;
 
@@ -61,9 +62,9 @@ fn critical(name: &str, what: &str, source: &str, wrenches: Vec<Wrench>) -> Case
         family: Family::LimitSurface,
         what: what.to_owned(),
         source: source.to_owned(),
-        run: Box::new(move |options| {
+        run: Box::new(move |runs| {
             let mut report = StepReport::default();
-            let values = wrenches.iter().map(|wrench| Value::ratio(critical_share(wrench, options, &mut report), 1.0)).collect();
+            let values = wrenches.iter().map(|wrench| Value::ratio(critical_share(wrench, runs, &mut report), 1.0)).collect();
             Measured { values, arm: SUPPORT_RADIUS, report }
         }),
         plans: Method::all_judged().map(|method| Plan::exact(method, 1e-3, 1, bound.clone())).collect(),
@@ -101,12 +102,12 @@ fn arms() -> Vec<Wrench> {
 }
 
 /// The share of `wrench` at which the load begins to move.
-fn critical_share(wrench: &Wrench, options: &BackendOptions, report: &mut StepReport) -> f64 {
+fn critical_share(wrench: &Wrench, runs: &Runs, report: &mut StepReport) -> f64 {
     const LEAST_WAY: f64 = 1e-12;
     let start = Pose::new(0.05, -0.02, 0.7);
     let [holds, moves] = bisected([0.5, 1.5], 31, |share| {
         let mut of_probe = StepReport::default();
-        let moves = distance(&start, &pulled(wrench, share, start, options, &mut of_probe)) > LEAST_WAY;
+        let moves = distance(&start, &pulled(wrench, share, start, runs, &mut of_probe)) > LEAST_WAY;
         // Where the jump above the limit ends is not asked, nor how well it was found.
         if !moves {
             report.add(&of_probe);
@@ -117,11 +118,11 @@ fn critical_share(wrench: &Wrench, options: &BackendOptions, report: &mut StepRe
 }
 
 /// Where the load is after 20 ms under a share of `wrench`.
-fn pulled(wrench: &Wrench, share: f64, start: Pose, options: &BackendOptions, report: &mut StepReport) -> Pose {
+fn pulled(wrench: &Wrench, share: f64, start: Pose, runs: &Runs, report: &mut StepReport) -> Pose {
     let pulls = pulls(wrench);
     let springs: Vec<PolarSpring> = pulls.iter().map(|(root, _)| isotropic(*root, 0.0)).collect();
     let tips: Vec<Vec2> = pulls.iter().map(|(root, force)| start.to_world(&(root + share / RADIAL * force))).collect();
-    let mut run: Box<dyn Backend> = build(&paper_system(springs), Motion { pose: start, twist: Twist::ZERO }, options);
+    let mut run: Box<dyn Backend> = runs.start(&paper_system(springs), Motion { pose: start, twist: Twist::ZERO });
     tips.iter().enumerate().for_each(|(spring, tip)| run.attach(spring, *tip));
     report.add(&run.advance(&tips, 0.02));
     run.motion().pose
@@ -152,11 +153,11 @@ fn centre() -> Case {
         family: Family::LimitSurface,
         what: "distance of the centre of rotation at the onset, under a force across an arm".to_owned(),
         source: "a^2 (2 b + a) / (b (b + 2 a)) toward a support, a away from it".to_owned(),
-        run: Box::new(move |options| {
+        run: Box::new(move |runs| {
             let mut report = StepReport::default();
             let at_onset = |&(arm, force, h): &(f64, f64, f64)| {
                 let wrench = Wrench { force: Vec2::new(-force, 0.0), torque: arm * force };
-                let end = pulled(&wrench, 1.0 + 1e-6, Pose::new(0.0, 0.0, 0.0), options, &mut report);
+                let end = pulled(&wrench, 1.0 + 1e-6, Pose::new(0.0, 0.0, 0.0), runs, &mut report);
                 // A small turn about (0, -h) shifts the centre by -h along x for each radian.
                 let sign = if arm < 0.0 { -1.0 } else { 1.0 };
                 Value::metres(-sign * end.position.x / end.heading, h * SUPPORT_RADIUS)

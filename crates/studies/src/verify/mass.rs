@@ -5,7 +5,8 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{LOAD_RADIUS, MASS, SUPPORT_RADIUS, at_rest, paper_springs, paper_system, path, reference_tips};
 use crate::methods::Method;
-use cohaul::backend::{BackendOptions, StepReport};
+use crate::subject::Runs;
+use cohaul::backend::StepReport;
 use cohaul::math::Pose;
 
 pub fn cases() -> Vec<Case> {
@@ -15,7 +16,7 @@ pub fn cases() -> Vec<Case> {
 /// Where the load only follows, inertia is a force of the mass times its acceleration: the first
 /// power.
 fn at_the_end() -> Case {
-    let run = |options: &BackendOptions| power(options, [2.5e-5, 6.25e-6], 1.0, 1.0, |gaps| gaps.last().copied().unwrap_or(f64::NAN));
+    let run = |runs: &Runs| power(runs, [2.5e-5, 6.25e-6], 1.0, 1.0, |gaps| gaps.last().copied().unwrap_or(f64::NAN));
     Case {
         name: "mass-end".to_owned(),
         family: Family::Mass,
@@ -34,7 +35,7 @@ fn at_the_end() -> Case {
 
 /// At the onset the load is as fast as without inertia only after a swing, of amplitude v / omega.
 fn at_the_onset() -> Case {
-    let run = |options: &BackendOptions| power(options, [4e-6, 1e-6], 0.09, 0.5, |gaps| gaps.iter().copied().fold(0.0, f64::max));
+    let run = |runs: &Runs| power(runs, [4e-6, 1e-6], 0.09, 0.5, |gaps| gaps.iter().copied().fold(0.0, f64::max));
     Case {
         name: "mass-onset".to_owned(),
         family: Family::Mass,
@@ -51,10 +52,10 @@ fn plans(methods: &[Method], step_s: f64, bound: f64, reason: &str) -> Vec<Plan>
 
 /// Power of the mass between two masses, with which `size` of the gaps along the path shrinks; both
 /// methods at the same step.
-fn power(options: &BackendOptions, masses: [f64; 2], duration: f64, known: f64, size: impl Fn(&[f64]) -> f64) -> Measured {
-    let (still, mut report) = path_of(MASS, &Method::QUASI_STATIC.options(options.step_s), duration);
+fn power(runs: &Runs, masses: [f64; 2], duration: f64, known: f64, size: impl Fn(&[f64]) -> f64) -> Measured {
+    let (still, mut report) = path_of(MASS, &Runs::of(Method::QUASI_STATIC.options(runs.step_s)), duration);
     let [heavy, light] = masses.map(|mass| {
-        let (moving, of_moving) = path_of(mass, options, duration);
+        let (moving, of_moving) = path_of(mass, runs, duration);
         report.add(&of_moving);
         let gaps: Vec<f64> = still.iter().zip(&moving).map(|(one, other)| (one.position - other.position).norm()).collect();
         size(&gaps)
@@ -64,10 +65,10 @@ fn power(options: &BackendOptions, masses: [f64; 2], duration: f64, known: f64, 
 }
 
 /// Path in the reference scene of a load of `mass` (kg) with the paper's friction.
-fn path_of(mass: f64, options: &BackendOptions, duration: f64) -> (Vec<Pose>, StepReport) {
+fn path_of(mass: f64, runs: &Runs, duration: f64) -> (Vec<Pose>, StepReport) {
     let mut system = paper_system(paper_springs(4));
     system.load.mass = mass;
     system.load.inertia = 0.5 * mass * LOAD_RADIUS * LOAD_RADIUS;
     // The tips' clock is that of the scene: a second of it in all.
-    path(&system, at_rest(), options, &reference_tips, duration)
+    path(&system, at_rest(), runs, &reference_tips, duration)
 }

@@ -19,6 +19,7 @@ use std::sync::Arc;
 use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Errors, Measured, Value};
 use crate::methods::Method;
+use crate::subject::Runs;
 use cohaul::backend::friction::clarabel::ClarabelSolver;
 use cohaul::backend::{Backend, BackendOptions, StepReport, TransitionKind};
 use cohaul::math::{Mat3, Pose, Vec3, increment_of, rotation};
@@ -54,19 +55,19 @@ pub fn cases() -> Vec<Case> {
         case(
             "max-min-direction",
             "largest angle between a sliding step and the maximiser of the printed power",
-            |options| of_largest(options, angle, |angle| Value::radians(angle, 0.0)),
+            |runs| of_largest(runs, angle, |angle| Value::radians(angle, 0.0)),
             Plan::of_order(1.0, Method::QUASI_STATIC, LONGEST_STEP_S, N_STEPS, of_angle),
         ),
         case(
             "max-min-power",
             "largest printed power of any direction after a sliding step, over the slip limit",
-            |options| of_largest(options, power_left, |power| Value::ratio(power, 0.0)),
+            |runs| of_largest(runs, power_left, |power| Value::ratio(power, 0.0)),
             Plan::exact(Method::QUASI_STATIC, LONGEST_STEP_S, N_STEPS, of_power),
         ),
     ]
 }
 
-fn case(name: &str, what: &str, run: fn(&BackendOptions) -> Measured, plan: Plan) -> Case {
+fn case(name: &str, what: &str, run: fn(&Runs) -> Measured, plan: Plan) -> Case {
     let source = "Eq. (15) and (16)".to_owned();
     Case { name: name.to_owned(), family: Family::MaxMin, what: what.to_owned(), source, run: Box::new(run), plans: vec![plan] }
 }

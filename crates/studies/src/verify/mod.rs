@@ -42,7 +42,7 @@ pub mod tripod;
 use crate::methods::Method;
 
 pub use crate::runner::Effort;
-pub use case::{Bound, Case, Expected, Family, Levels, Plan, Run};
+pub use case::{Bound, Case, Expected, Family, Levels, Plan, Run, put_to};
 pub use measured::{Errors, Measured, Unit, Value, extrapolated};
 pub use row::{Outcome, Row, RowKind};
 pub use suite::tasks;

@@ -11,7 +11,8 @@ use super::scenes::{
 };
 use crate::known_answers::{pulled_after_onset, slide_distance};
 use crate::methods::Method;
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, StepReport, build};
+use crate::subject::Runs;
+use cohaul::backend::{Backend, BackendKind, Motion, StepReport};
 use cohaul::math::{Pose, Twist, Vec2};
 
 /// Supports from the centre (m).
@@ -28,7 +29,7 @@ pub fn cases() -> Vec<Case> {
     vec![slide(), spin(), slide_and_spin(), pull(), ripple(), creep()]
 }
 
-fn peer(name: &str, what: &str, source: &str, run: impl Fn(&BackendOptions) -> Measured + Send + Sync + 'static, plans: Vec<Plan>) -> Case {
+fn peer(name: &str, what: &str, source: &str, run: impl Fn(&Runs) -> Measured + Send + Sync + 'static, plans: Vec<Plan>) -> Case {
     let (name, what, source) = (name.to_owned(), what.to_owned(), source.to_owned());
     Case { name, family: Family::Peers, what, source, run: Box::new(run), plans }
 }
@@ -40,8 +41,8 @@ fn slide_way() -> f64 {
 
 fn slide() -> Case {
     let way = slide_way();
-    let run = move |options: &BackendOptions| {
-        let (pose, report) = coasted(moving(SPEED, 0.0, 0.0), options);
+    let run = move |runs: &Runs| {
+        let (pose, report) = coasted(moving(SPEED, 0.0, 0.0), runs);
         Measured { values: vec![Value::metres(pose.position.x, way)], arm: ARM, report }
     };
     let first = Bound::metres(SPEED * 1e-3 / 2.0, "v0 h / 2: steps brake at their end");
@@ -57,8 +58,8 @@ fn spin() -> Case {
     let system = peers_system(Vec::new());
     let angle = SPIN * SPIN * system.load.inertia / (2.0 * SLIP_LIMIT * ARM);
     let alpha = SLIP_LIMIT * ARM / system.load.inertia;
-    let run = move |options: &BackendOptions| {
-        let (pose, report) = coasted(moving(0.0, 0.0, SPIN), options);
+    let run = move |runs: &Runs| {
+        let (pose, report) = coasted(moving(0.0, 0.0, SPIN), runs);
         Measured { values: vec![Value::radians(pose.heading, angle)], arm: ARM, report }
     };
     let first = Bound::radians(SPIN * 1e-3 / 2.0 * 1.01, "omega0 h / 2: steps brake at their end; the engine's arctan adds a thousandth");
@@ -81,8 +82,8 @@ fn slide_and_spin() -> Case {
     let angle = SLOW_SPIN * SLOW_SPIN * (load.inertia + MASS * ARM * ARM) * 3f64.sqrt() / (4.0 * SLIP_LIMIT * ARM);
     let known = [ARM * angle.sin(), ARM * (1.0 - angle.cos()), angle];
     let way = ARM * 2.0 * (0.5 * angle).sin();
-    let run = move |options: &BackendOptions| {
-        let (pose, report) = coasted(moving(SPEED, 0.0, SLOW_SPIN), options);
+    let run = move |runs: &Runs| {
+        let (pose, report) = coasted(moving(SPEED, 0.0, SLOW_SPIN), runs);
         let values = Value::pose([pose.position.x, pose.position.y, pose.heading], known);
         Measured { values: values.to_vec(), arm: ARM, report }
     };
@@ -114,8 +115,8 @@ fn stop_plans(first: Bound, limit: Bound, expected: Expected, midpoint: Bound) -
 }
 
 /// End of a load that starts with a speed and is left alone: the longest stop takes 54 ms.
-fn coasted(start: Motion, options: &BackendOptions) -> (Pose, StepReport) {
-    let mut run = build(&peers_system(Vec::new()), start, options);
+fn coasted(start: Motion, runs: &Runs) -> (Pose, StepReport) {
+    let mut run = runs.start(&peers_system(Vec::new()), start);
     let report = run.advance(&[], 0.1);
     (run.motion().pose, report)
 }
@@ -127,10 +128,10 @@ fn pulled_exactly(kind: BackendKind, duration: f64) -> f64 {
 }
 
 fn pull() -> Case {
-    let run = |options: &BackendOptions| {
-        let mut run = pulled_load(options);
+    let run = |runs: &Runs| {
+        let mut run = pulled_load(runs);
         let report = run.advance(&[Vec2::new(PULL * DURATION, 0.0)], DURATION);
-        let known = pulled_exactly(options.kind, DURATION);
+        let known = pulled_exactly(runs.kind, DURATION);
         Measured { values: vec![Value::metres(run.motion().pose.position.x, known)], arm: ARM, report }
     };
     let way = pulled_exactly(BackendKind::Inertial, DURATION);
@@ -150,8 +151,8 @@ fn pull() -> Case {
 /// Amplitude of the ripple in the last period over v / omega: one is right, less is numerical
 /// damping, more is stick-slip that is not there.
 fn ripple() -> Case {
-    let run = |options: &BackendOptions| {
-        let mut run = pulled_load(options);
+    let run = |runs: &Runs| {
+        let mut run = pulled_load(runs);
         let period = std::f64::consts::TAU / natural_rate();
         let from = DURATION - period;
         let mut report = run.advance(&[Vec2::new(PULL * from, 0.0)], from);
@@ -180,8 +181,8 @@ fn ripple() -> Case {
 }
 
 /// The load with its spring in hand.
-fn pulled_load(options: &BackendOptions) -> Box<dyn Backend> {
-    let mut run = build(&peers_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), options);
+fn pulled_load(runs: &Runs) -> Box<dyn Backend> {
+    let mut run = runs.start(&peers_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest());
     run.attach(0, Vec2::zeros());
     run
 }
@@ -189,9 +190,9 @@ fn pulled_load(options: &BackendOptions) -> Box<dyn Backend> {
 /// A minute at 0.9 of the limit, turned and away from the origin, through the centre and at the
 /// edge of the paper's load.
 fn creep() -> Case {
-    let run = |options: &BackendOptions| {
+    let run = |runs: &Runs| {
         let mut report = StepReport::default();
-        let ways = [0.0, 0.0122].map(|arm| Value::metres(way_in_a_minute(arm, options, &mut report), 0.0));
+        let ways = [0.0, 0.0122].map(|arm| Value::metres(way_in_a_minute(arm, runs, &mut report), 0.0));
         Measured { values: ways.to_vec(), arm: ARM, report }
     };
     let rest = Bound::metres(1e-9, "1 nm: friction that sticks does not creep");
@@ -200,14 +201,14 @@ fn creep() -> Case {
     peer("peers-creep", "displacement in 60 s at 0.9 of the limit", "0: below the limit nothing moves", run, plans.collect())
 }
 
-fn way_in_a_minute(arm: f64, options: &BackendOptions, report: &mut StepReport) -> f64 {
+fn way_in_a_minute(arm: f64, runs: &Runs, report: &mut StepReport) -> f64 {
     let start = Motion { pose: Pose::new(0.11, -0.07, 0.83), twist: Twist::ZERO };
     let a = super::scenes::SUPPORT_RADIUS;
     let critical = SLIP_LIMIT * a * (arm + a) / (arm * arm + a * arm + a * a);
     // Support 0 lies along y.
     let root = Vec2::new(0.0, arm);
     let tip = start.pose.to_world(&(root + Vec2::new(0.9 * critical / RADIAL, 0.0)));
-    let mut run = build(&paper_system(vec![isotropic(root, 0.0)]), start, options);
+    let mut run = runs.start(&paper_system(vec![isotropic(root, 0.0)]), start);
     run.attach(0, tip);
     report.add(&run.advance(&[tip], 60.0));
     super::scenes::distance(&start.pose, &run.motion().pose)

@@ -8,7 +8,8 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{MASS, RADIAL, SLIP_LIMIT, SLIP_STRETCH, SUPPORT_RADIUS, at_rest, isotropic, natural_rate, paper_system};
 use crate::methods::Method;
-use cohaul::backend::{Backend, BackendOptions, StepReport, build};
+use crate::subject::Runs;
+use cohaul::backend::{Backend, StepReport};
 use cohaul::math::Vec2;
 
 /// Speed of the tip (m/s), onset of slip (s) and v / omega (m), printed with nine and eleven
@@ -34,9 +35,8 @@ fn play(speed: f64, onset: f64) -> Case {
         family: Family::Pull,
         what: format!("rest up to the onset at {onset:.4} s, then a lag of f / k"),
         source: "x = v t - f / k".to_owned(),
-        run: Box::new(move |options| {
-            let (mut run, mut report) =
-                (build(&paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), options), StepReport::default());
+        run: Box::new(move |runs| {
+            let (mut run, mut report) = (runs.start(&paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest()), StepReport::default());
             run.attach(0, Vec2::zeros());
             let onset = SLIP_STRETCH / speed;
             let mut at = |from: f64, to: f64| {
@@ -60,7 +60,7 @@ fn ripple(speed: f64, phase: f64) -> Case {
         family: Family::Pull,
         what: format!("place after {phase} rad of the ripple that follows the onset"),
         source: "x = v tau - (v / omega) sin omega tau".to_owned(),
-        run: Box::new(move |options| slipping(options, 0.0, speed, tau, known)),
+        run: Box::new(move |runs| slipping(runs, 0.0, speed, tau, known)),
         plans: ripple_plans(tau, amplitude),
     }
 }
@@ -80,7 +80,7 @@ fn damped(speed: f64, damping_ratio: f64, phase: f64) -> Case {
         family: Family::Pull,
         what: format!("place after {phase} rad with a damping ratio of {damping_ratio}"),
         source: "damped oscillation from the onset at k s + c v = f".to_owned(),
-        run: Box::new(move |options| slipping(options, damping_ratio, speed, tau, known)),
+        run: Box::new(move |runs| slipping(runs, damping_ratio, speed, tau, known)),
         plans: ripple_plans(tau, speed / rate),
     }
 }
@@ -108,11 +108,11 @@ fn dashpot(damping_ratio: f64) -> f64 {
 }
 
 /// Place `tau` (s) after the instant at which the load is about to slip.
-fn slipping(options: &BackendOptions, damping_ratio: f64, speed: f64, tau: f64, known: f64) -> Measured {
+fn slipping(runs: &Runs, damping_ratio: f64, speed: f64, tau: f64, known: f64) -> Measured {
     // A dashpot helps the spring by c v from the start.
     let stretch = (SLIP_LIMIT - dashpot(damping_ratio) * speed) / RADIAL;
     let tip = |time: f64| Vec2::new(stretch + speed * time, 0.0);
-    let mut run = build(&paper_system(vec![isotropic(Vec2::zeros(), damping_ratio)]), at_rest(), options);
+    let mut run = runs.start(&paper_system(vec![isotropic(Vec2::zeros(), damping_ratio)]), at_rest());
     run.attach(0, tip(0.0));
     let report = run.advance(&[tip(tau)], tau);
     Measured { values: vec![Value::metres(run.motion().pose.position.x, known)], arm: SUPPORT_RADIUS, report }
@@ -131,15 +131,15 @@ fn hold() -> Case {
         family: Family::Pull,
         what: "place when a tip at 80 mm/s stops after 0.5 s, and where the load ends".to_owned(),
         source: "x_hold + 2 (v / omega) |sin(omega tau / 2)|; without inertia v t - f / k".to_owned(),
-        run: Box::new(move |options| {
-            let mut run: Box<dyn Backend> = build(&paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), options);
+        run: Box::new(move |runs| {
+            let mut run: Box<dyn Backend> = runs.start(&paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest());
             run.attach(0, Vec2::zeros());
             let end = [Vec2::new(speed * ramp, 0.0)];
             let mut report = run.advance(&end, ramp);
             let at_hold = run.motion().pose.position.x;
             report.add(&run.advance(&end, 0.2));
             let at_end = run.motion().pose.position.x;
-            let known = if options.kind.has_inertia() { (HOLD.0, HOLD.1) } else { (HOLD.2, HOLD.2) };
+            let known = if runs.kind.has_inertia() { (HOLD.0, HOLD.1) } else { (HOLD.2, HOLD.2) };
             Measured { values: vec![Value::metres(at_hold, known.0), Value::metres(at_end, known.1)], arm: SUPPORT_RADIUS, report }
         }),
         plans: vec![

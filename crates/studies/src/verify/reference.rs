@@ -8,7 +8,7 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{SUPPORT_RADIUS, at_rest, drive, n_pieces, paper_springs, paper_system, reference_tips};
 use crate::methods::Method;
-use cohaul::backend::{BackendOptions, build};
+use crate::subject::Runs;
 
 /// x, y (m) and heading (rad) at half way and at the end.
 pub type Poses = [[f64; 3]; 2];
@@ -33,7 +33,7 @@ fn case(name: &str, which: &str, known: Poses, plans: Vec<Plan>) -> Case {
         family: Family::Reference,
         what: format!("poses at half way and at the end of a load {which} on three springs, through rest, pivoting and slip"),
         source: "extrapolation to ten digits by an independent program".to_owned(),
-        run: Box::new(move |options| poses(options, known)),
+        run: Box::new(move |runs| poses(runs, known)),
         plans,
     }
 }
@@ -58,10 +58,10 @@ fn inertial_plans() -> Vec<Plan> {
     ]
 }
 
-fn poses(options: &BackendOptions, known: Poses) -> Measured {
-    let mut run = build(&paper_system(paper_springs(4)), at_rest(), options);
+fn poses(runs: &Runs, known: Poses) -> Measured {
+    let mut run = runs.start(&paper_system(paper_springs(4)), at_rest());
     // An even number: half way is a node.
-    let n = 2 * n_pieces(0.5, options) as u32;
+    let n = 2 * n_pieces(0.5, runs) as u32;
     let mut found = Vec::with_capacity(n as usize);
     let report = drive(run.as_mut(), reference_tips, 1.0, n, |_, run| {
         let pose = run.motion().pose;
@@ -69,7 +69,7 @@ fn poses(options: &BackendOptions, known: Poses) -> Measured {
     });
     let [half_way, end] = [n / 2, n].map(|node| found[node as usize - 1]);
     let mut values = [Value::pose(half_way, known[0]), Value::pose(end, known[1])].concat();
-    if !options.kind.has_inertia() {
+    if !runs.kind.has_inertia() {
         values.push(Value::ratio(run.energy().friction / LOSS, 1.0));
     }
     Measured { values, arm: SUPPORT_RADIUS, report }

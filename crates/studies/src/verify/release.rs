@@ -11,7 +11,7 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{MASS, RADIAL, SLIP_STRETCH, SUPPORT_RADIUS, at_rest, isotropic, paper_system};
 use crate::methods::Method;
-use cohaul::backend::{BackendOptions, build};
+use crate::subject::Runs;
 use cohaul::math::Vec2;
 
 /// F0 / f; where a method without inertia and the undamped load stop (f / k).
@@ -53,7 +53,7 @@ fn case(jump: Jump, name: String, source: &str) -> Case {
             1e6 * MASS * mass_factor
         ),
         source: source.to_owned(),
-        run: Box::new(move |options| way(&jump, options)),
+        run: Box::new(move |runs| way(&jump, runs)),
         plans: plans(&jump),
     }
 }
@@ -93,13 +93,13 @@ fn period(jump: &Jump) -> f64 {
 }
 
 /// Displacement of the load after the release (m).
-fn way(jump: &Jump, options: &BackendOptions) -> Measured {
+fn way(jump: &Jump, runs: &Runs) -> Measured {
     let (stretch, period) = (jump.ratio * SLIP_STRETCH, period(jump));
     let mut system = paper_system(vec![isotropic(Vec2::zeros(), jump.damping_ratio); 2]);
     system.load.mass *= jump.mass_factor;
     system.load.inertia *= jump.mass_factor;
     let tips = [Vec2::new(stretch, 0.0), Vec2::new(-stretch, 0.0)];
-    let mut run = build(&system, at_rest(), options);
+    let mut run = runs.start(&system, at_rest());
     run.attach(0, tips[0]);
     run.attach(1, tips[1]);
     let mut report = run.advance(&tips, period / 8.0);
@@ -107,6 +107,6 @@ fn way(jump: &Jump, options: &BackendOptions) -> Measured {
     // Three half swings at most. What a critical dashpot leaves falls as exp(-omega t).
     let n_periods = if jump.damping_ratio >= 1.0 { 6.0 } else { 3.0 };
     report.add(&run.advance(&tips, n_periods * period));
-    let ways = if options.kind.has_inertia() { jump.swung } else { jump.still };
+    let ways = if runs.kind.has_inertia() { jump.swung } else { jump.still };
     Measured { values: vec![Value::metres(run.motion().pose.position.x, ways * SLIP_STRETCH)], arm: SUPPORT_RADIUS, report }
 }

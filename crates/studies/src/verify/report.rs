@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 
 use crate::verify::figure;
 use crate::verify::{Case, Effort, Errors, Expected, Outcome, Row, RowKind};
+use cohaul::analysis::compare::EngineName;
 use cohaul::formats::{self, Format, Versioned};
 use cohaul_report::folder::{FolderError, OutputFolder};
 use cohaul_report::junit;
@@ -19,10 +20,13 @@ use cohaul_report::text::Detail;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
     pub holds: bool,
+    /// The engine of the user that was asked, if one was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<EngineName>,
     /// Rows that hold, and rows that could have missed.
     pub n_held: usize,
     pub n_judged: usize,
-    /// Rows for information only.
+    /// Rows for information only, and of scenes that the engine refuses.
     pub n_shown: usize,
     pub quick: bool,
     pub wall_s: f64,
@@ -38,11 +42,12 @@ impl Versioned for Verification {
 impl Verification {
     /// Summary of the `rows` of `cases`; cases without any row are left out.
     pub fn new(cases: &[Case], rows: &[Row], effort: Effort, wall_s: f64) -> Self {
-        let n_judged = rows.iter().filter(|row| row.outcome != Outcome::Shown).count();
+        let n_judged = rows.iter().filter(|row| row.outcome.is_judged()).count();
         let n_held = rows.iter().filter(|row| row.outcome == Outcome::Holds).count();
         let asked = |case: &&Case| rows.iter().any(|row| row.case == case.name);
         Self {
-            holds: n_held == n_judged,
+            holds: n_held == n_judged && n_judged > 0,
+            engine: None,
             n_held,
             n_judged,
             n_shown: rows.len() - n_judged,
@@ -93,8 +98,9 @@ fn table(rows: &[Row]) -> Table {
             ("order", "", &|row| row.order.into()),
             ("expected", "", &|row| row.expected.name().into()),
             ("expected order", "", &|row| Some(row.expected.power()).filter(|power| *power > 0.0).into()),
-            ("holds", "", &|row| (row.outcome != Outcome::Shown).then_some(row.outcome == Outcome::Holds).into()),
+            ("holds", "", &|row| row.outcome.is_judged().then_some(row.outcome == Outcome::Holds).into()),
             ("missed", "", &|row| row.outcome.missed().into()),
+            ("refused", "", &|row| row.outcome.refused().into()),
             ("reason", "", &|row| row.reason.as_str().into()),
             ("source", "", &|row| row.source.as_str().into()),
         ],
@@ -133,6 +139,7 @@ fn cells(row: &Row) -> [String; 8] {
         Outcome::Holds => "holds".to_owned(),
         Outcome::Shown => "shown".to_owned(),
         Outcome::Misses(why) => format!("MISSES: {why}"),
+        Outcome::Refused(why) => format!("refused: {why}"),
     };
     let order = row.order.map_or(String::new(), |order| format!("{order:.2}"));
     [row.case.clone(), row.method.short_name.to_owned(), step, in_print(&row.errors), in_print(&row.bounds), order, expected, outcome]
@@ -172,6 +179,7 @@ pub fn verify_suite(found: &Verification) -> junit::Suite {
                 junit::Outcome::Failed(why.clone(), details)
             }
             Outcome::Shown => junit::Outcome::Skipped("rapier with its engine defaults is not judged".to_owned()),
+            Outcome::Refused(why) => junit::Outcome::Skipped(why.clone()),
         };
         let name = format!("{} by {} at {}{limit}", row.case, row.method.short_name, level(row));
         junit::Case { class: format!("verify.{}", row.family.name()), name, outcome }
@@ -184,7 +192,7 @@ fn families(found: &Verification) -> String {
     let mut table = Table::new("", ["family", "cases", "rows that hold", "largest error / bound"]);
     for rows in found.rows.chunk_by(|one, next| one.family == next.family) {
         let n_cases = rows.chunk_by(|one, next| one.case == next.case).count();
-        let judged = || rows.iter().filter(|row| row.outcome != Outcome::Shown);
+        let judged = || rows.iter().filter(|row| row.outcome.is_judged());
         let n_held = judged().filter(|row| row.outcome == Outcome::Holds).count();
         let share = judged().filter_map(share_of_bound).fold(0.0, f64::max);
         let held = format!("{n_held} of {}", judged().count());
@@ -199,9 +207,15 @@ fn all_rows(found: &Verification) -> String {
 }
 
 fn summary(found: &Verification) -> String {
-    let answer = if found.holds { "All known answers hold" } else { "Some known answers are missed" };
+    let by = found.engine.as_ref().map_or(String::new(), |engine| format!(" by {}", engine.text()));
+    let answer = match found.holds {
+        true => format!("All known answers hold{by}"),
+        false if found.n_judged == 0 => format!("No known answer was found{by}"),
+        false => format!("Some known answers are missed{by}"),
+    };
     let shown = match found.n_shown {
         0 => String::new(),
+        n if found.engine.is_some() => format!("{n} rows are of scenes that the engine refuses.\n"),
         n => format!("{n} rows of rapier with its engine defaults are shown and not judged.\n"),
     };
     format!("{answer}: {} of {} rows.\n{shown}wall time {}\n", found.n_held, found.n_judged, quantity(found.wall_s, "s"))

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::case::{Bound, Case, Expected, Family, Levels, Plan};
 use super::measured::{Errors, Measured, limit_of};
 use crate::methods::Method;
+use crate::subject::Ended;
 use cohaul::backend::{BackendOptions, Status};
 
 /// What came out at one step or tolerance.
@@ -47,12 +48,38 @@ pub enum Outcome {
     Misses(String),
     /// Information: not judged.
     Shown,
+    /// The engine does not take the scene.
+    Refused(String),
+}
+
+/// What came of the runs at one step or tolerance.
+pub struct Answer {
+    pub options: BackendOptions,
+    pub measured: Measured,
+    /// Why there is no answer, if there is none.
+    pub ended: Option<Ended>,
 }
 
 impl Outcome {
+    pub fn is_judged(&self) -> bool {
+        matches!(self, Outcome::Holds | Outcome::Misses(_))
+    }
+
+    /// Why the engine does not take the scene.
+    pub fn refused(&self) -> Option<&str> {
+        if let Outcome::Refused(why) = self { Some(why) } else { None }
+    }
+
     /// What is wrong with a row that misses.
     pub fn missed(&self) -> Option<&str> {
         if let Outcome::Misses(why) = self { Some(why) } else { None }
+    }
+}
+
+impl Row {
+    /// A row without an answer.
+    fn unanswered(self, outcome: Outcome) -> Self {
+        Self { errors: Errors::NONE, size: None, order: None, outcome, ..self }
     }
 }
 
@@ -67,24 +94,28 @@ const LIMIT_POWER: f64 = 3.0;
 
 /// Rows of the answers at successively halved steps of `plan`, and of their limit, or at its
 /// tolerances.
-pub fn rows(case: &Case, plan: &Plan, answers: &[(BackendOptions, Measured)]) -> Vec<Row> {
+pub fn rows(case: &Case, plan: &Plan, answers: &[Answer]) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::with_capacity(answers.len() + 1);
     let kind = match plan.levels {
         Levels::Steps(_) => RowKind::AtStep,
         Levels::Tolerances(_) => RowKind::WithinTolerance,
     };
-    for (options, answer) in answers {
-        let mut row = row(case, plan, kind, answer, options);
+    for Answer { options, measured, ended } in answers {
+        let mut row = row(case, plan, kind, measured, options);
         if kind == RowKind::AtStep && plan.expected != Expected::Exact {
             row.order = rows.last().and_then(|coarse| order(coarse.size?, row.size?));
         }
-        judge(&mut row, plan, answer);
+        match ended {
+            None | Some(Ended::Stopped) => judge(&mut row, plan, measured),
+            Some(Ended::Refused(why)) => row = row.unanswered(Outcome::Refused(why.clone())),
+            Some(Ended::Failed(why)) => row = row.unanswered(Outcome::Misses(why.clone())),
+        }
         rows.push(row);
     }
-    if let (Some(limit), [_, .., (shortest, _)]) = (&plan.limit, answers) {
-        let found: Vec<Measured> = answers.iter().map(|(_, answer)| answer.clone()).collect();
+    if let (Some(limit), [_, .., shortest], true) = (&plan.limit, answers, answers.iter().all(|answer| answer.ended.is_none())) {
+        let found: Vec<Measured> = answers.iter().map(|answer| answer.measured.clone()).collect();
         let answer = limit_of(&found);
-        let mut row = row(case, plan, RowKind::Extrapolated, &answer, shortest);
+        let mut row = row(case, plan, RowKind::Extrapolated, &answer, &shortest.options);
         row.bounds = limit.at(2f64.powi((plan.n_levels - answers.len()) as i32), LIMIT_POWER);
         row.reason.clone_from(&limit.reason);
         judge(&mut row, plan, &answer);

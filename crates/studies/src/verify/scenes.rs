@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use cohaul::backend::{Backend, BackendOptions, Motion, StepReport, Tolerance, build, n_steps_in};
+use crate::subject::Runs;
+use cohaul::backend::{Backend, BackendOptions, Motion, StepReport, Tolerance, n_steps_in};
 use cohaul::math::{Pose, Twist, Vec2, direction};
 use cohaul::model::{Ground, Load, PolarSpring, SupportPoint, System, World, paper};
 
@@ -128,10 +129,10 @@ pub fn n_pieces(duration: f64, options: &BackendOptions) -> u64 {
 }
 
 /// Poses at all nodes of a run along curved tip paths.
-pub fn path(system: &System, start: Motion, options: &BackendOptions, tips: &Tips, duration: f64) -> (Vec<Pose>, StepReport) {
+pub fn path(system: &System, start: Motion, runs: &Runs, tips: &Tips, duration: f64) -> (Vec<Pose>, StepReport) {
     let mut poses = Vec::new();
-    let mut run = build(system, start, options);
-    let n = n_pieces(duration, options) as u32;
+    let mut run = runs.start(system, start);
+    let n = n_pieces(duration, runs) as u32;
     let report = drive(run.as_mut(), tips, duration, n, |_, run| poses.push(run.motion().pose));
     (poses, report)
 }

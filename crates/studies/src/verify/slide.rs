@@ -9,7 +9,8 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{GRAVITY, MU, SUPPORT_RADIUS, moving, paper_system};
 use crate::methods::Method;
-use cohaul::backend::{BackendOptions, Motion, build};
+use crate::subject::Runs;
+use cohaul::backend::Motion;
 
 /// Start speed (m/s) and v0^2 / (2 mu g) (m), worked out in decimal arithmetic.
 pub const SLIDES: [(f64, f64); 4] = [(0.01, 3.6405999709e-6), (0.08, 2.3299839814e-4), (0.5, 9.1014999272e-3), (1.0, 3.6405999709e-2)];
@@ -32,7 +33,7 @@ fn slide(speed: f64, way: f64) -> Case {
         family: Family::Slide,
         what: format!("distance of a load that starts at {speed} m/s"),
         source: "v0^2 / (2 mu g)".to_owned(),
-        run: Box::new(move |options| stopped(options, moving(0.6 * speed, -0.8 * speed, 0.0), time_to_stop, answer)),
+        run: Box::new(move |runs| stopped(runs, moving(0.6 * speed, -0.8 * speed, 0.0), time_to_stop, answer)),
         plans: plans(Bound::metres, way, speed, time_to_stop, |_| 0.0),
     }
 }
@@ -48,14 +49,14 @@ fn spin(rate: f64, angle: f64) -> Case {
         family: Family::Slide,
         what: format!("angle of a load that starts at {rate} rad/s"),
         source: "omega0^2 I / (2 f a)".to_owned(),
-        run: Box::new(move |options| stopped(options, moving(0.0, 0.0, -rate), time_to_stop, answer)),
+        run: Box::new(move |runs| stopped(runs, moving(0.0, 0.0, -rate), time_to_stop, answer)),
         plans: plans(Bound::radians, angle, rate, time_to_stop, arctan),
     }
 }
 
 /// The value at the end of a start that lasts `time_to_stop` (s).
-fn stopped(options: &BackendOptions, start: Motion, time_to_stop: f64, answer: impl Fn(Motion) -> Value) -> Measured {
-    let mut run = build(&paper_system(Vec::new()), start, options);
+fn stopped(runs: &Runs, start: Motion, time_to_stop: f64, answer: impl Fn(Motion) -> Value) -> Measured {
+    let mut run = runs.start(&paper_system(Vec::new()), start);
     let report = run.advance(&[], 1.2 * time_to_stop);
     Measured { values: vec![answer(run.motion())], arm: SUPPORT_RADIUS, report }
 }

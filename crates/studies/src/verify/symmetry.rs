@@ -8,6 +8,7 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{SUPPORT_RADIUS, Tips, at_rest, distance, n_pieces, paper_springs, paper_system, path, reference_tips};
 use crate::methods::Method;
+use crate::subject::Runs;
 use cohaul::backend::{Backend, BackendOptions, Motion, StepReport, build};
 use cohaul::math::{Pose, Twist, Vec2, rotation};
 use cohaul::model::{PolarSpring, System};
@@ -47,15 +48,15 @@ fn case(name: &str, what: &str, other: impl Fn() -> Other + Send + Sync + 'stati
         family: Family::Symmetry,
         what: format!("largest distance of the path from that of {what}"),
         source: "the laws know no place, side, unit or name".to_owned(),
-        run: Box::new(move |options| same_path(options, other())),
+        run: Box::new(move |runs| same_path(runs, other())),
         plans: Method::all_judged().map(plan).collect(),
     }
 }
 
 /// Distance over 300 steps between the path of the scene and that of `other`, taken back.
-fn same_path(options: &BackendOptions, other: Other) -> Measured {
-    let (poses, mut report) = path(&system(), at_rest(), options, &reference_tips, 1.0);
-    let (others, report_of_other) = path(&other.system, Motion { pose: other.start, twist: Twist::ZERO }, options, &other.tips, 1.0);
+fn same_path(runs: &Runs, other: Other) -> Measured {
+    let (poses, mut report) = path(&system(), at_rest(), runs, &reference_tips, 1.0);
+    let (others, report_of_other) = path(&other.system, Motion { pose: other.start, twist: Twist::ZERO }, runs, &other.tips, 1.0);
     report.add(&report_of_other);
     let values = poses.iter().zip(&others).map(|(one, two)| Value::metres(distance(one, &(other.undo)(two)), 0.0));
     Measured { values: values.collect(), arm: SUPPORT_RADIUS, report }
@@ -167,11 +168,11 @@ fn nodes(options: &BackendOptions, warp: impl Fn(f64) -> f64) -> Vec<f64> {
 
 /// Nodes of a path at other times give the same bits.
 fn same_nodes() -> Case {
-    let run = |options: &BackendOptions| {
-        let nodes = nodes(options, |s| s);
-        let (even, mut report) = at_nodes(options, &nodes, |s| s);
-        let (slow, of_slow) = at_nodes(options, &nodes, |s| 1e4 * s);
-        let (warped, of_warped) = at_nodes(options, &nodes, |s| s * s + 1e-3 * s);
+    let run = |runs: &Runs| {
+        let nodes = nodes(runs, |s| s);
+        let (even, mut report) = at_nodes(runs, &nodes, |s| s);
+        let (slow, of_slow) = at_nodes(runs, &nodes, |s| 1e4 * s);
+        let (warped, of_warped) = at_nodes(runs, &nodes, |s| s * s + 1e-3 * s);
         report.add(&of_slow);
         report.add(&of_warped);
         let values = even.iter().cycle().zip(slow.iter().chain(&warped)).map(|(one, two)| Value::metres(distance(one, two), 0.0));
@@ -189,9 +190,9 @@ fn same_nodes() -> Case {
 
 /// Other nodes on the same tip paths lead to the same end in the limit of small steps.
 fn other_nodes() -> Case {
-    let run = |options: &BackendOptions| {
-        let (even, mut report) = at_nodes(options, &nodes(options, |s| s), |s| s);
-        let (warped, of_warped) = at_nodes(options, &nodes(options, |s| 0.3 * s + 0.7 * s * s), |s| s);
+    let run = |runs: &Runs| {
+        let (even, mut report) = at_nodes(runs, &nodes(runs, |s| s), |s| s);
+        let (warped, of_warped) = at_nodes(runs, &nodes(runs, |s| 0.3 * s + 0.7 * s * s), |s| s);
         report.add(&of_warped);
         let [found, known] =
             [warped, even].map(|poses| poses.last().map_or([f64::NAN; 3], |pose| [pose.position.x, pose.position.y, pose.heading]));

@@ -7,7 +7,8 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{RADIAL, SUPPORT_RADIUS, isotropic, paper_system};
 use crate::methods::Method;
-use cohaul::backend::{Backend, BackendOptions, Motion, build};
+use crate::subject::Runs;
+use cohaul::backend::{Backend, Motion};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::PolarSpring;
 
@@ -30,18 +31,18 @@ fn case(arm: f64) -> Case {
         family: Family::Towing,
         what: "length over which the heading of a towed load decays".to_owned(),
         source: "(b^2 + a^2 / 2) / b".to_owned(),
-        run: Box::new(move |options| decay_length(arm, known, options)),
+        run: Box::new(move |runs| decay_length(arm, known, runs)),
         plans: vec![Plan::first_order(Method::QUASI_STATIC, step_s, 4, first, limit)],
     }
 }
 
-fn decay_length(arm: f64, known: f64, options: &BackendOptions) -> Measured {
+fn decay_length(arm: f64, known: f64, runs: &Runs) -> Measured {
     let (from, way) = (0.01, 0.1);
     let start = Motion { pose: Pose::new(0.0, 0.0, 1e-3), twist: Twist::ZERO };
     // So stiff that it lengthens the arm by 33 nm.
     let spring = PolarSpring { radial_stiffness: 1e6 * RADIAL, ..isotropic(Vec2::new(arm, 0.0), 0.0) };
     let tip = start.pose.to_world(&spring.root);
-    let mut run: Box<dyn Backend> = build(&paper_system(vec![spring]), start, options);
+    let mut run: Box<dyn Backend> = runs.start(&paper_system(vec![spring]), start);
     run.attach(0, tip);
     let mut report = run.advance(&[tip + Vec2::new(from, 0.0)], from);
     let before = run.motion().pose.heading;

@@ -4,7 +4,8 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{GRAVITY, MASS, MU, SUPPORT_RADIUS, moving, paper_system};
 use crate::methods::Method;
-use cohaul::backend::{Backend, BackendOptions, StepReport, build};
+use crate::subject::Runs;
+use cohaul::backend::{Backend, StepReport};
 use cohaul::math::Vec2;
 use cohaul::model::System;
 
@@ -88,8 +89,8 @@ fn end(start: Start) -> Case {
         family: Family::Tripod,
         what: format!("end of a slide with a spin of {} sqrt(mu g / a), I = {} m a^2", start.turn_rate, start.chi),
         source: SOURCE.to_owned(),
-        run: Box::new(move |options| {
-            let (mut run, time) = started(&start, options);
+        run: Box::new(move |runs| {
+            let (mut run, time) = started(&start, runs);
             let mut report = StepReport::default();
             report.add(&run.advance(&[], time));
             report.add(&run.advance(&[], 0.1 * time));
@@ -114,15 +115,15 @@ fn pinning(start: Start, Pinning { support, time, turn_rate }: Pinning) -> Case 
         family: Family::Tripod,
         what: format!("displacement of the support that is pinned at {time:.4} sqrt(a / mu g), from then to the end"),
         source: "a pinned support sticks".to_owned(),
-        run: Box::new(move |options| {
-            let (mut run, stop) = started(&start, options);
+        run: Box::new(move |runs| {
+            let (mut run, stop) = started(&start, runs);
             let offset = system(start.chi).ground.supports[support].offset;
-            let n = (stop / options.step_s).round();
+            let n = (stop / runs.step_s).round();
             let first = (time / start.stop * n).ceil() + 8.0;
-            let mut report = run.advance(&[], first * options.step_s);
+            let mut report = run.advance(&[], first * runs.step_s);
             let (mut way, mut place) = (0.0, run.motion().pose.to_world(&offset));
             for _ in first as usize..(1.1 * n) as usize {
-                report.add(&run.advance(&[], options.step_s));
+                report.add(&run.advance(&[], runs.step_s));
                 let next: Vec2 = run.motion().pose.to_world(&offset);
                 way += (next - place).norm();
                 place = next;
@@ -145,8 +146,8 @@ fn system(chi: f64) -> System {
 }
 
 /// The load at its start, and the time that it takes to stop (s).
-fn started(start: &Start, options: &BackendOptions) -> (Box<dyn Backend>, f64) {
+fn started(start: &Start, runs: &Runs) -> (Box<dyn Backend>, f64) {
     let time = time_unit();
     let motion = moving(SUPPORT_RADIUS / time, 0.0, start.turn_rate / time);
-    (build(&system(start.chi), motion, options), start.stop * time)
+    (runs.start(&system(start.chi), motion), start.stop * time)
 }
