@@ -185,6 +185,8 @@ formats! {
     CALIBRATE_BEHAVIOUR = ("cohaul calibrate behaviour", 1, "`calibrate behaviour --json`, `behaviour.json`", None);
     /// Result of `calibrate pulls`.
     CALIBRATE_PULLS = ("cohaul calibrate pulls", 1, "`calibrate pulls --json`, `pulls.json`", None);
+    /// What an import did to a recording or a drawing.
+    IMPORT = ("cohaul import", 1, "`scenario import --json`, `NAME.import.json` beside its `--out`", None);
     /// Result of `scenario check`.
     SCENARIO_CHECK = ("cohaul scenario check", 1, "`scenario check --json`", None);
 }

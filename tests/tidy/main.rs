@@ -35,17 +35,22 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
-const BUDGETS: [(&str, usize); 6] = [
-    ("src", 39_990),
+const BUDGETS: [(&str, usize); 7] = [
+    ("src", 40_010),
     ("crates/engines/src", 1_100),
     ("crates/report/src", 8_750),
     ("crates/studies/src", 21_600),
     ("crates/paper/src", 9_650),
-    ("crates/app/src", 7_120),
+    // The readers of twelve formats and of what is wrong with them.
+    ("crates/recordings/src", 3_660),
+    ("crates/app/src", 7_380),
 ];
 
 /// Beginnings of the names of crates, and the places in which these may be used.
-const FENCES: [(&str, &[&str]); 8] = [
+const FENCES: [(&str, &[&str]); 11] = [
+    ("usvg", &["crates/recordings/src/drawings/svg.rs"]),
+    ("i_overlay", &["crates/recordings/src/drawings/outline.rs"]),
+    ("kurbo", &["crates/recordings/src/drawings/"]),
     ("tiny_skia", &["crates/report/src/picture/pen.rs"]),
     ("axum", &["crates/app/src/live/server.rs"]),
     ("tokio", &["crates/app/src/live/server.rs"]),

@@ -1,10 +1,12 @@
 //! Places that do not fit the load: tips far from their springs, springs that cannot move the load,
 //! and places far away.
 
+use std::collections::BTreeMap;
+
 use crate::math::Vec2;
 use crate::model::PolarSpring;
 use crate::scenario::error::{Findings, short};
-use crate::scenario::{AntDrive, Drive, Scenario, TipPath, Waypoint};
+use crate::scenario::{AntDrive, Drive, Scenario, TipPath};
 
 /// Largest distance of a tip from that of the undeformed spring when it is attached, over the rest
 /// length (1). A tip that belongs to another spring is mostly farther away.
@@ -72,10 +74,11 @@ fn far_places(scenario: &Scenario, findings: &mut Findings) {
 /// whatever moves it.
 fn tips(scenario: &Scenario, paths: &[TipPath], findings: &mut Findings) {
     let (system, pose) = (&scenario.system, &scenario.start.pose);
-    for (index, path) in paths.iter().enumerate() {
+    let by_tips = moved_by_tips(paths);
+    for ((index, path), by_tips) in paths.iter().enumerate().zip(by_tips) {
         let (spring, first) = (&system.springs[path.spring], &path.waypoints[0]);
         let distance = (first.position - pose.to_world(&spring.rest_tip())).norm();
-        let most = farthest_tip(spring, system.load.radius) + moved_before(scenario, paths, first.time);
+        let most = farthest_tip(spring, system.load.radius) + by_tips + moved_otherwise(scenario, first.time);
         if distance > most {
             let rule = format!("should be near the tip of the undeformed spring {}: within {} m", path.spring, short(most));
             findings.report(format_args!("drive.paths[{index}].waypoints[0]"), rule, format_args!("a distance of {} m", short(distance)));
@@ -87,23 +90,58 @@ fn farthest_tip(spring: &PolarSpring, radius: f64) -> f64 {
     if spring.rest_length > 0.0 { FARTHEST_TIP * spring.rest_length } else { FARTHEST_TIP_OF_ISOTROPIC * radius }
 }
 
-/// Bound of the distance by which the load has been moved before `time` (s): that of any tip or
-/// obstacle, or the coast of its speed at the start (m).
-fn moved_before(scenario: &Scenario, paths: &[TipPath], time: f64) -> f64 {
+/// Bound of the distance by which tips have moved the load before each path begins (m): the path
+/// length of the tip that is the fastest at each instant. It is in the order of the paths.
+fn moved_by_tips(paths: &[TipPath]) -> Vec<f64> {
+    /// What happens at a time, in this order.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    enum Change {
+        Begins(usize),
+        Faster(u64),
+        Slower(u64),
+    }
+    let mut changes: Vec<(f64, Change)> = Vec::new();
+    for (index, path) in paths.iter().enumerate() {
+        changes.push((path.waypoints[0].time, Change::Begins(index)));
+        for pair in path.waypoints.windows(2) {
+            let duration = pair[1].time - pair[0].time;
+            // The bits of positive numbers have the order of the numbers.
+            let speed = ((pair[1].position - pair[0].position).norm() / duration).to_bits();
+            changes.extend([(pair[0].time, Change::Faster(speed)), (pair[1].time, Change::Slower(speed))]);
+        }
+    }
+    changes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let (mut speeds, mut moved, mut last) = (BTreeMap::<u64, usize>::new(), 0.0, 0.0);
+    let mut found = vec![0.0; paths.len()];
+    for (time, change) in changes {
+        let fastest = speeds.last_key_value().map_or(0.0, |(speed, _)| f64::from_bits(*speed));
+        moved += fastest * (time - last);
+        last = time;
+        match change {
+            Change::Begins(index) => found[index] = moved,
+            Change::Faster(speed) => *speeds.entry(speed).or_default() += 1,
+            Change::Slower(speed) => {
+                let left = speeds.get_mut(&speed).map_or(0, |n| {
+                    *n -= 1;
+                    *n
+                });
+                if left == 0 {
+                    speeds.remove(&speed);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Bound of the distance by which anything else has moved the load before `time` (s): the path
+/// length of an obstacle, or the coast of the load's speed at the start (m).
+fn moved_otherwise(scenario: &Scenario, time: f64) -> f64 {
     if time == 0.0 {
         return 0.0;
     }
-    let of_path = |path: &TipPath| {
-        let from = path.waypoints[0].position;
-        let reached = |pair: &[Waypoint]| {
-            let share = ((time - pair[0].time) / (pair[1].time - pair[0].time)).min(1.0);
-            (pair[0].position + share * (pair[1].position - pair[0].position) - from).norm()
-        };
-        path.waypoints.windows(2).filter(|pair| pair[0].time < time).map(reached).fold(0.0, f64::max)
-    };
-    let by_tips = paths.iter().map(of_path).fold(0.0, f64::max);
     let by_obstacles = scenario.system.world.obstacles.iter().map(|obstacle| obstacle.path_length(0.0, time)).fold(0.0, f64::max);
-    by_tips + by_obstacles + scenario.start.twist.linear.norm() * time
+    by_obstacles + scenario.start.twist.linear.norm() * time
 }
 
 /// Sums of the largest forces and torques of all tips on a load that stays where it starts (N,

@@ -36,7 +36,7 @@ pub fn with_outputs(path: &str, text: &str) -> String {
         return text.to_owned();
     }
     let folder = tempfile::tempdir().expect("a folder can be made");
-    for name in ["scenarios", "data", "tests"] {
+    for name in ["scenarios", "data", "examples", "tests"] {
         symlink(root().join(name), folder.path().join(name)).expect("a link can be made");
     }
     let mut lines: Vec<String> = Vec::new();

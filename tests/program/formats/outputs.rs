@@ -175,6 +175,8 @@ impl Outputs {
         self.take(&["paper", "search", "--rows", "1", "--within", "0", "--seeds", "1", "--more-seeds", "2", "--most", "1"]);
         fs::write(self.path("bad.json"), "{}").unwrap();
         self.take(&["scenario", "check", JUMP, ROLL, &self.ants(), &self.path("bad.json")]);
+        let like = ["--like", "examples/recordings/ants.json", "--fps", "50", "--bridge-s", "0.001"];
+        self.take(&[&["scenario", "import", "examples/recordings/table.csv"][..], &like].concat());
     }
 
     /// Errors of rapier on two scenes at a step, and at a longer one.

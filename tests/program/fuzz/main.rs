@@ -8,6 +8,7 @@
 //! corpus.rs     the files that are changed
 //! scenes.rs     scenarios, and short runs of those that are accepted
 //! tables.rs     tables of tips, paths, readings and pulls
+//! recordings.rs files of trackers, and drawings
 //! files.rs      baselines, saved runs, journals and shards
 //! known.rs      inputs that the program once answered wrongly
 //! messages.rs   messages of the live page
@@ -31,6 +32,7 @@ mod messages;
 mod obstacle_scene;
 #[path = "../../common/random_scenes.rs"]
 mod random_scenes;
+mod recordings;
 #[path = "../../common/root.rs"]
 mod root;
 mod scenes;

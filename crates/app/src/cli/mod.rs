@@ -16,6 +16,7 @@ mod foreign;
 mod gate;
 mod generate;
 mod help;
+mod import;
 mod input;
 mod internal;
 mod merge;

@@ -1,4 +1,4 @@
-//! `cohaul scenario show|check|new|from-tips|schema`.
+//! `cohaul scenario show|check|new|import|from-tips|schema`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -11,6 +11,7 @@ use super::choice::seconds;
 use super::console::{self, detail, print};
 use super::cost::long_run;
 use super::error::CliError;
+use super::import::{ImportArgs, import};
 use super::input::{name_of, read_scenario, read_text, warn_of_scenario};
 use super::new::{NewArgs, new};
 use cohaul::analysis::{Advice, ExpectedCost};
@@ -51,6 +52,13 @@ pub enum ScenarioCommand {
     /// slip, the springs are stretched by a fifth of its radius. The JSON Schema of the format,
     /// which editors read, is written beside the scene.
     New(NewArgs),
+    /// Make a scenario of a tracker's recording or a drawing, on the ground and springs of another
+    ///
+    /// Files are those of DeepLabCut, SLEAP, idtracker.ai, TRex, tracktor and SwisTrack, and tables
+    /// with one header row of any order, separator and unit. Drawings are SVG, DXF, GeoJSON, OBJ
+    /// and MJCF; a scenario alone has its outline put right. A table of all that was done is
+    /// printed.
+    Import(ImportArgs),
     /// Make a scenario of recorded tips, on the load, ground and springs of another
     ///
     /// The recording is the table that `cohaul run --tips` writes and `cohaul calibrate forces`
@@ -85,6 +93,7 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
         ScenarioCommand::Show { scenario } => print_scenario(&read_scenario(scenario, None)?)?,
         ScenarioCommand::Schema => print(&json::pretty(&format::schema())?)?,
         ScenarioCommand::New(args) => return new(args),
+        ScenarioCommand::Import(args) => return import(args),
         ScenarioCommand::Check { scenarios, json } => return check(scenarios, *json),
         ScenarioCommand::FromTips { recording, like, name, duration_s } => {
             let file = table_of(recording)?;
@@ -100,8 +109,13 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
 
 /// Prints the expanded scenario with the version of its format.
 fn print_scenario(scenario: &Scenario) -> Result<(), CliError> {
+    print(&scenario_json(scenario)?)
+}
+
+/// The text of a scenario file.
+pub fn scenario_json(scenario: &Scenario) -> Result<String, CliError> {
     let file = ScenarioFile { format: Some(formats::SCENARIO.version), ..scenario.expanded() };
-    print(&json::pretty(&file)?)
+    Ok(json::pretty(&file)?)
 }
 
 /// What is reported of one file.

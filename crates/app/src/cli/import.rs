@@ -1,0 +1,304 @@
+//! `cohaul scenario import`.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::choice::{choice, not_negative, positive, seconds};
+use super::console::{self, print};
+use super::error::{CliError, at_file, at_output};
+use super::input::{name_of, read_scenario, warn_of_scenario};
+use super::scenario::scenario_json;
+use cohaul::formats::stamped;
+use cohaul::scenario::format::ScenarioFile;
+use cohaul::scenario::{Scenario, bounded, cut, is_in_range};
+use cohaul_recordings::account::Account;
+use cohaul_recordings::drawings::{DrawingFormat, DrawingOptions, into_scenario, repaired};
+use cohaul_recordings::repair::Bounds;
+use cohaul_recordings::scene::{Imported, Roles, scenario};
+use cohaul_recordings::tracks::export::{write_tips, write_tracks};
+use cohaul_recordings::tracks::{Reading, TrackFormat, Tracks, Units, read};
+use cohaul_report::json;
+use cohaul_report::lines::TableError;
+use cohaul_report::sibling::write_whole;
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul scenario import ants.csv --like colony.json --out recorded.json
+  cohaul scenario import DLC.csv --like colony.json --fps 50 --scale-m 2e-5
+  cohaul scenario import robots.csv --like doorway.json --spring red=0 \\
+      --spring blue=1 --load box --out recorded.json
+  cohaul scenario import load.svg --like colony.json --out drawn.json")]
+pub struct ImportArgs {
+    /// Files of tracks, or one drawing; - for standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Scenario with the load, the ground, the springs and the obstacles
+    #[arg(long, value_name = "SCENARIO")]
+    like: Option<PathBuf>,
+    /// Format of the files [default: told by their first lines]
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<TrackFormat>())]
+    format: Option<TrackFormat>,
+    #[command(flatten)]
+    units: UnitArgs,
+    #[command(flatten)]
+    bounds: BoundArgs,
+    #[command(flatten)]
+    roles: RoleArgs,
+    #[command(flatten)]
+    drawing: DrawingArgs,
+    /// Name of the new scenario [default: the name of the other one, and "recorded"]
+    #[arg(long)]
+    name: Option<String>,
+    /// Duration (s) [default: that of the recording]
+    #[arg(long, value_name = "T", value_parser = seconds)]
+    duration_s: Option<f64>,
+    /// Write the scenario here, and what was done as JSON beside it, in NAME.import.json
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write all tracks in SI units as CSV, which can be imported again
+    #[arg(long, value_name = "FILE")]
+    tracks: Option<PathBuf>,
+    /// Write tips and load as CSV, which calibrate reads
+    #[arg(long, value_name = "FILE")]
+    tips: Option<PathBuf>,
+    /// Print what was done as one JSON object in place of scenario and table
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Units")]
+struct UnitArgs {
+    /// Frames per second, where the files count frames
+    #[arg(long, value_name = "N", value_parser = positive)]
+    fps: Option<f64>,
+    /// Length of a pixel, or of a unit without a name (m)
+    #[arg(long, alias = "scale", value_name = "M", value_parser = positive)]
+    scale_m: Option<f64>,
+    /// Direction of the y axis: up or down [default: down in images]
+    #[arg(long, value_name = "WHERE", value_parser = ["up", "down"], hide_possible_values = true)]
+    y: Option<String>,
+    /// Unit of headings: radians or degrees [default: as the file says]
+    #[arg(long, value_name = "UNIT", value_parser = ["radians", "degrees"], hide_possible_values = true)]
+    headings: Option<String>,
+    /// Smallest confidence of a place that counts, from 0 to 1
+    #[arg(long, value_name = "C", value_parser = not_negative)]
+    min_confidence: Option<f64>,
+    /// Time of the files that becomes 0 (s) [default: 0, or the first frame of another clock]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = finite)]
+    start_s: Option<f64>,
+    /// Place of the recording that becomes the origin (m, y up) [default: its own origin]
+    #[arg(long, num_args = 2, value_names = ["X", "Y"], allow_negative_numbers = true, value_parser = finite)]
+    origin_m: Option<Vec<f64>>,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Bounds of what is put right")]
+struct BoundArgs {
+    /// Longest gap in which a tip stays attached (s) [default: five lost frames, fewer if fast]
+    #[arg(long, alias = "bridge", value_name = "T", value_parser = not_negative)]
+    bridge_s: Option<f64>,
+    /// Longest step from frame to frame (m) [default: eight times the usual steps]
+    #[arg(long, alias = "max-jump", value_name = "M", value_parser = positive)]
+    max_jump_m: Option<f64>,
+    /// Smooth the tips by at most this distance (m) [default: not]
+    #[arg(long, alias = "smooth", value_name = "M", value_parser = positive)]
+    smooth_m: Option<f64>,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "What the tracks are")]
+struct RoleArgs {
+    /// Spring on whose tip a track is; repeat it for each tip
+    #[arg(long, value_name = "TRACK=INDEX", value_parser = pair::<usize>)]
+    spring: Vec<(String, usize)>,
+    /// Track of the load, or two marks on it: rear and front
+    #[arg(long, value_name = "TRACK", num_args = 1..=2)]
+    load: Vec<String>,
+    /// Obstacle that a track moves; may be repeated
+    #[arg(long, value_name = "TRACK=NAME", value_parser = pair::<String>)]
+    obstacle: Vec<(String, String)>,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Drawings")]
+struct DrawingArgs {
+    /// Largest distance of straight lines from a curve (m) [default: 1/2000 of the size]
+    #[arg(long, value_name = "M", value_parser = positive)]
+    tolerance_m: Option<f64>,
+    /// Body of an MJCF model
+    #[arg(long, value_name = "NAME")]
+    body: Option<String>,
+    /// Take the y axis of an OBJ mesh for up, not z
+    #[arg(long)]
+    y_up: bool,
+    /// Obstacle that gets the outline, in place of the load
+    #[arg(long, value_name = "NAME")]
+    onto: Option<String>,
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value| is_in_range(*value)).ok_or_else(|| format!("must be a number of at most 1e50 in size, found {text}"))
+}
+
+/// A name and a value with `=` between them.
+fn pair<T: std::str::FromStr>(text: &str) -> Result<(String, T), String> {
+    let (name, value) = text.rsplit_once('=').ok_or_else(|| format!("must have the form TRACK=VALUE, found {text}"))?;
+    let value = value.parse().map_err(|_| format!("must have a whole number from 0 after =, found {value}"))?;
+    Ok((name.to_owned(), value))
+}
+
+pub fn import(args: &ImportArgs) -> Result<ExitCode, CliError> {
+    let contents = args.files.iter().map(|path| read_bytes(path)).collect::<Result<Vec<_>, _>>()?;
+    let names: Vec<String> = args.files.iter().map(|path| name_of(path)).collect();
+    let mut account = Account::default();
+    let drawing = DrawingFormat::of(&names[0], &contents[0]).filter(|_| args.format.is_none());
+    let made = match (&args.like, drawing) {
+        (Some(like), Some(format)) => {
+            one_file(args)?;
+            drawn((&names[0], &contents[0]), format, like, args, &mut account)?
+        }
+        (None, None) if contents[0].trim_ascii_start().starts_with(b"{") => {
+            one_file(args)?;
+            repaired(&names[0], scenario_file(&names[0], &contents[0])?, &mut account)?.checked(&names[0])?
+        }
+        (None, _) => return Err(CliError::Usage("--like: is required, the scenario with the ground and the springs".to_owned())),
+        (Some(like), None) => recorded(&names, &contents, like, args, &mut account)?,
+    };
+    let name = args.name.clone().unwrap_or(made.name.clone());
+    let made = Scenario { name, duration: args.duration_s.unwrap_or(made.duration), ..made };
+    let made = made.expanded().checked(&names[0])?;
+    finish(args, &made, &account)
+}
+
+fn one_file(args: &ImportArgs) -> Result<(), CliError> {
+    match args.files.len() {
+        1 => Ok(()),
+        n => Err(CliError::Usage(format!("FILE: must be one drawing or scenario, found {n} files"))),
+    }
+}
+
+/// A scenario as it stands in its file, which may break rules.
+fn scenario_file(name: &str, bytes: &[u8]) -> Result<ScenarioFile, CliError> {
+    let fault = |error: serde_json::Error| CliError::Usage(format!("{name}: must be a scenario: {}", cut(error.to_string(), 500)));
+    serde_json::from_slice(bytes).map_err(fault)
+}
+
+/// The scenario `like` with the outline of a drawing.
+fn drawn(
+    (name, bytes): (&str, &[u8]),
+    format: DrawingFormat,
+    like: &Path,
+    args: &ImportArgs,
+    account: &mut Account,
+) -> Result<Scenario, CliError> {
+    let DrawingArgs { tolerance_m, body, y_up, onto } = &args.drawing;
+    let options = DrawingOptions { scale: args.units.scale_m, tolerance: *tolerance_m, body: body.as_deref(), y_up: *y_up };
+    let like = scenario_file(&name_of(like), &read_bytes(like)?)?;
+    Ok(into_scenario(name, bytes, format, &options, (like, onto.as_deref()), account)?.checked(name)?)
+}
+
+/// The tracks of all files on the scenario `like`.
+fn recorded(names: &[String], contents: &[Vec<u8>], like: &Path, args: &ImportArgs, account: &mut Account) -> Result<Scenario, CliError> {
+    let like = read_scenario(like, None)?;
+    let files: Vec<Reading> = names.iter().zip(contents).map(|(file, bytes)| Reading { file, bytes }).collect();
+    let tracks = read(&files, args.format, &args.units.given(), account)?;
+    if let Some(path) = &args.tracks {
+        write(path, |file| write_tracks(&tracks, file))?;
+    }
+    let Imported { scenario: made, tips } = scenario(tracks, &args.roles.given(), &args.bounds.given(), &like, &names[0], account)?;
+    if let Some(path) = &args.tips {
+        export_tips(path, &tips)?;
+    }
+    Ok(made)
+}
+
+/// Writes or prints the scenario and what was done.
+fn finish(args: &ImportArgs, made: &Scenario, account: &Account) -> Result<ExitCode, CliError> {
+    let text = scenario_json(made)?;
+    if text.len() as u64 > bounded::MOST_BYTES {
+        let rule = "must make a scenario of at most 64 MiB: import a part of it, or fewer frames";
+        return Err(CliError::Usage(format!("{}: {rule}, found {} MiB", account.files.join(", "), text.len() >> 20)));
+    }
+    let notes = json::pretty(&stamped(account))?;
+    if let Some(path) = &args.out {
+        write(path, |file| Ok(file.write_all(text.as_bytes())?))?;
+        write(&path.with_extension("import.json"), |file| Ok(file.write_all(notes.as_bytes())?))?;
+        warn_of_scenario(path, made);
+    }
+    match (&args.out, args.json) {
+        (_, true) => print(&notes)?,
+        (Some(_), false) => print(&account.text())?,
+        (None, false) => {
+            if !console::is_quiet() {
+                anstream::eprint!("{}", account.text());
+            }
+            print(&text)?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn export_tips(path: &Path, tips: &Tracks) -> Result<(), CliError> {
+    let mut left_out = 0;
+    write(path, |file| {
+        left_out = write_tips(tips, file)?;
+        Ok(())
+    })?;
+    if left_out > 0 {
+        console::warn(format_args!("{}: {left_out} tips at times without a pose of the load are left out", path.display()));
+    }
+    Ok(())
+}
+
+/// Writes a file as a whole or not at all.
+fn write(path: &Path, content: impl FnOnce(&mut File) -> Result<(), TableError>) -> Result<(), CliError> {
+    write_whole(path, content).map_err(|error| match error {
+        TableError::NotFinite(error) => CliError::NotFinite(error),
+        TableError::Io(error) => at_output(path)(error),
+        TableError::Csv(error) => at_output(path)(std::io::Error::other(error)),
+    })
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
+    let most = bounded::MOST_BYTES_OF_TABLE;
+    let source: Box<dyn Read> =
+        if path.as_os_str() == "-" { Box::new(std::io::stdin().lock()) } else { Box::new(File::open(path).map_err(at_file(path))?) };
+    let mut bytes = Vec::new();
+    source.take(most + 1).read_to_end(&mut bytes).map_err(at_file(path))?;
+    if bytes.len() as u64 > most {
+        return Err(CliError::Usage(format!("{}: must have at most {} MiB, found more", name_of(path), most >> 20)));
+    }
+    Ok(bytes)
+}
+
+impl UnitArgs {
+    fn given(&self) -> Units {
+        Units {
+            fps: self.fps,
+            scale: self.scale_m,
+            y_down: self.y.as_ref().map(|y| y == "down"),
+            degrees: self.headings.as_ref().map(|unit| unit == "degrees"),
+            min_confidence: self.min_confidence,
+            start: self.start_s,
+            origin: self.origin_m.as_ref().map(|origin| [origin[0], origin[1]]),
+        }
+    }
+}
+
+impl BoundArgs {
+    fn given(&self) -> Bounds {
+        Bounds { bridge: self.bridge_s, jump: self.max_jump_m, smooth: self.smooth_m }
+    }
+}
+
+impl RoleArgs {
+    fn given(&self) -> Roles {
+        Roles { springs: self.spring.clone(), load: self.load.clone(), obstacles: self.obstacle.clone() }
+    }
+}

@@ -1,0 +1,68 @@
+//! Imports of recordings and drawings, and the files that ship with them.
+//!
+//! ```text
+//! samples.rs   a recording in the form of every tracker: generated, read, exported, read again
+//! losses.rs    lost rows, jitter and swapped names on scenes: no invented release, the same verdict
+//! reports.rs   files as other people have sent them
+//! drawings.rs  outlines against their closed forms, and what is named as not read
+//! program.rs   the command: faults, files, exit codes
+//! ```
+
+mod drawings;
+#[path = "../../differential/draws.rs"]
+#[allow(dead_code, reason = "other tests use more of it")]
+mod draws;
+mod losses;
+mod program;
+mod reports;
+#[path = "../../common/root.rs"]
+#[allow(dead_code, reason = "other tests use more of it")]
+mod root;
+mod samples;
+
+use cohaul::backend::{BackendKind, BackendOptions};
+use cohaul::scenario::{Drive, Scenario, ScenarioError, TipPath};
+use cohaul::simulation::{Keep, Simulation};
+use cohaul_recordings::account::Account;
+use cohaul_recordings::repair::Bounds;
+use cohaul_recordings::scene::{Imported, Roles, scenario};
+use cohaul_recordings::tracks::{Reading, Tracks, Units, read};
+use cohaul_report::tips_csv::write_tips;
+
+/// A scene of the repository.
+fn scene(path: &str) -> Scenario {
+    Scenario::read(&root::root().join(path)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The tips of a quasi-static run of a scene, as `run --tips` writes them.
+fn tips_of(scene: &Scenario) -> String {
+    let mut run = Simulation::new(scene, &BackendOptions::new(BackendKind::QuasiStatic, scene.control_period), Keep::Trace);
+    run.run(|_| true);
+    let mut table = Vec::new();
+    write_tips(&run.into_results().0, &mut table).unwrap();
+    String::from_utf8(table).unwrap()
+}
+
+fn tracks_of(text: &str, units: &Units) -> Result<(Tracks, Account), ScenarioError> {
+    let mut account = Account::default();
+    let tracks = read(&[Reading { file: "recording.csv", bytes: text.as_bytes() }], None, units, &mut account)?;
+    Ok((tracks, account))
+}
+
+fn imported(text: &str, like: &Scenario, bounds: &Bounds) -> (Scenario, Account) {
+    let (tracks, mut account) = tracks_of(text, &Units::default()).unwrap_or_else(|error| panic!("{error}"));
+    let made = scenario(tracks, &Roles::default(), bounds, like, "recording.csv", &mut account);
+    let Imported { scenario, .. } = made.unwrap_or_else(|error| panic!("{error}"));
+    (scenario, account)
+}
+
+fn paths(scenario: &Scenario) -> &[TipPath] {
+    match &scenario.drive {
+        Drive::Tips(paths) => paths,
+        Drive::Ants(_) => panic!("tips"),
+    }
+}
+
+fn n_releases(scenario: &Scenario) -> usize {
+    paths(scenario).iter().filter(|path| path.release.is_some()).count()
+}
