@@ -27,8 +27,8 @@ pub struct Roles {
 #[derive(Clone, Debug)]
 pub struct Imported {
     pub scenario: Scenario,
-    /// Tracks of the tips as they were repaired, but for gaps and smoothing, named by their springs,
-    /// and the load.
+    /// Tracks of the load, and of the tips by their springs, with swaps and jumps put right. Gaps
+    /// and noise are still there.
     pub tips: Tracks,
 }
 

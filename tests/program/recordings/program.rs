@@ -75,7 +75,7 @@ fn faults_name_file_place_rule_and_what_was_found() {
     let hdf = path("tracks.h5", "\u{fffd}");
     std::fs::write(&hdf, b"\x89HDF\r\n").unwrap();
     for (file, why) in [
-        (&words, "words.csv: line 3, x_m: must be a number, or empty or NaN where nothing was seen, found here"),
+        (&words, "words.csv: line 3, x_m: must be a number, or empty where nothing was seen, found here"),
         (&twice, "twice.csv: line 3: must have track 1 once in a frame, as on line 2, found another place at the same time"),
         (&pixels, "pixels.csv: header: must have times, or need --fps, found frames only"),
         (&three, "three.csv: tracks: must have as many tracks as the scenario has springs, 2, or --spring TRACK=INDEX"),

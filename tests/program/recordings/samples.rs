@@ -104,6 +104,7 @@ fn files() -> Vec<(&'static str, String)> {
                 writeln!(table, "{at};{tip};{x};{y};0,9").unwrap();
             }
         }
+        wide.push('\n');
     }
     let [trex0, trex1] = trex;
     let [swistrack0, swistrack1] = swistrack;

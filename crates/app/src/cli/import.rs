@@ -11,7 +11,7 @@ use super::choice::{choice, not_negative, positive, seconds};
 use super::console::{self, print};
 use super::error::{CliError, at_file, at_output};
 use super::input::{name_of, read_scenario, warn_of_scenario};
-use super::scenario::scenario_json;
+use super::output::scenario_json;
 use cohaul::formats::stamped;
 use cohaul::scenario::format::ScenarioFile;
 use cohaul::scenario::{Scenario, bounded, cut, is_in_range};
@@ -28,10 +28,8 @@ use cohaul_report::sibling::write_whole;
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  cohaul scenario import ants.csv --like colony.json --out recorded.json
   cohaul scenario import DLC.csv --like colony.json --fps 50 --scale-m 2e-5
-  cohaul scenario import robots.csv --like doorway.json --spring red=0 \\
-      --spring blue=1 --load box --out recorded.json
+  cohaul scenario import robots.csv --like doorway.json --out recorded.json
   cohaul scenario import load.svg --like colony.json --out drawn.json")]
 pub struct ImportArgs {
     /// Files of tracks, or one drawing; - for standard input
@@ -43,19 +41,11 @@ pub struct ImportArgs {
     /// Format of the files [default: told by their first lines]
     #[arg(long, value_name = "FORMAT", value_parser = choice::<TrackFormat>())]
     format: Option<TrackFormat>,
-    #[command(flatten)]
-    units: UnitArgs,
-    #[command(flatten)]
-    bounds: BoundArgs,
-    #[command(flatten)]
-    roles: RoleArgs,
-    #[command(flatten)]
-    drawing: DrawingArgs,
     /// Name of the new scenario [default: the name of the other one, and "recorded"]
     #[arg(long)]
     name: Option<String>,
     /// Duration (s) [default: that of the recording]
-    #[arg(long, value_name = "T", value_parser = seconds)]
+    #[arg(long, value_name = "T", value_parser = seconds, hide_short_help = true)]
     duration_s: Option<f64>,
     /// Write the scenario here, and what was done as JSON beside it, in NAME.import.json
     #[arg(long, value_name = "FILE")]
@@ -69,6 +59,14 @@ pub struct ImportArgs {
     /// Print what was done as one JSON object in place of scenario and table
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    units: UnitArgs,
+    #[command(flatten)]
+    bounds: BoundArgs,
+    #[command(flatten)]
+    roles: RoleArgs,
+    #[command(flatten)]
+    drawing: DrawingArgs,
 }
 
 #[derive(Args)]
@@ -81,19 +79,19 @@ struct UnitArgs {
     #[arg(long, alias = "scale", value_name = "M", value_parser = positive)]
     scale_m: Option<f64>,
     /// Direction of the y axis: up or down [default: down in images]
-    #[arg(long, value_name = "WHERE", value_parser = ["up", "down"], hide_possible_values = true)]
+    #[arg(long, value_name = "WHERE", value_parser = ["up", "down"], hide_possible_values = true, hide_short_help = true)]
     y: Option<String>,
     /// Unit of headings: radians or degrees [default: as the file says]
-    #[arg(long, value_name = "UNIT", value_parser = ["radians", "degrees"], hide_possible_values = true)]
+    #[arg(long, value_name = "UNIT", value_parser = ["radians", "degrees"], hide_possible_values = true, hide_short_help = true)]
     headings: Option<String>,
     /// Smallest confidence of a place that counts, from 0 to 1
     #[arg(long, value_name = "C", value_parser = not_negative)]
     min_confidence: Option<f64>,
     /// Time of the files that becomes 0 (s) [default: 0, or the first frame of another clock]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = finite, hide_short_help = true)]
     start_s: Option<f64>,
     /// Place of the recording that becomes the origin (m, y up) [default: its own origin]
-    #[arg(long, num_args = 2, value_names = ["X", "Y"], allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, num_args = 2, value_names = ["X", "Y"], allow_negative_numbers = true, value_parser = finite, hide_short_help = true)]
     origin_m: Option<Vec<f64>>,
 }
 
@@ -106,7 +104,7 @@ struct BoundArgs {
     /// Longest step from frame to frame (m) [default: eight times the usual steps]
     #[arg(long, alias = "max-jump", value_name = "M", value_parser = positive)]
     max_jump_m: Option<f64>,
-    /// Smooth the tips by at most this distance (m) [default: not]
+    /// Smooth tips by at most this distance (m)
     #[arg(long, alias = "smooth", value_name = "M", value_parser = positive)]
     smooth_m: Option<f64>,
 }
@@ -114,10 +112,10 @@ struct BoundArgs {
 #[derive(Args)]
 #[command(next_help_heading = "What the tracks are")]
 struct RoleArgs {
-    /// Spring on whose tip a track is; repeat it for each tip
+    /// Spring on whose tip a track is; may be repeated
     #[arg(long, value_name = "TRACK=INDEX", value_parser = pair::<usize>)]
     spring: Vec<(String, usize)>,
-    /// Track of the load, or two marks on it: rear and front
+    /// Track of the load, or two marks, rear and front
     #[arg(long, value_name = "TRACK", num_args = 1..=2)]
     load: Vec<String>,
     /// Obstacle that a track moves; may be repeated
@@ -129,16 +127,16 @@ struct RoleArgs {
 #[command(next_help_heading = "Drawings")]
 struct DrawingArgs {
     /// Largest distance of straight lines from a curve (m) [default: 1/2000 of the size]
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", value_parser = positive, hide_short_help = true)]
     tolerance_m: Option<f64>,
     /// Body of an MJCF model
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     body: Option<String>,
     /// Take the y axis of an OBJ mesh for up, not z
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     y_up: bool,
     /// Obstacle that gets the outline, in place of the load
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     onto: Option<String>,
 }
 

@@ -11,7 +11,8 @@ use serde_json::{Value, json as object};
 
 use super::console::{Tone, print, print_answer};
 use super::error::{CliError, at_output};
-use cohaul::formats::{Versioned, stamped};
+use cohaul::formats::{self, Versioned, stamped};
+use cohaul::scenario::format::ScenarioFile;
 use cohaul::scenario::{Scenario, sha256_hex};
 use cohaul::simulation::Health;
 use cohaul_report::folder::{MANIFEST, check_target};
@@ -51,6 +52,12 @@ impl OutputArgs {
             None => Ok(()),
         }
     }
+}
+
+/// The text of a scenario file.
+pub fn scenario_json(scenario: &Scenario) -> Result<String, CliError> {
+    let file = ScenarioFile { format: Some(formats::SCENARIO.version), ..scenario.expanded() };
+    Ok(json::pretty(&file)?)
 }
 
 /// Option of the commands whose runs give an account of themselves.

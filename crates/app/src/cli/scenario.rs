@@ -14,9 +14,9 @@ use super::error::CliError;
 use super::import::{ImportArgs, import};
 use super::input::{name_of, read_scenario, read_text, warn_of_scenario};
 use super::new::{NewArgs, new};
+use super::output::scenario_json;
 use cohaul::analysis::{Advice, ExpectedCost};
 use cohaul::formats::{self, Format, Versioned, stamped};
-use cohaul::scenario::format::ScenarioFile;
 use cohaul::scenario::{Finding, Scenario, format};
 use cohaul_paper::from_tips::scenario_from_tips;
 use cohaul_report::json;
@@ -110,12 +110,6 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
 /// Prints the expanded scenario with the version of its format.
 fn print_scenario(scenario: &Scenario) -> Result<(), CliError> {
     print(&scenario_json(scenario)?)
-}
-
-/// The text of a scenario file.
-pub fn scenario_json(scenario: &Scenario) -> Result<String, CliError> {
-    let file = ScenarioFile { format: Some(formats::SCENARIO.version), ..scenario.expanded() };
-    Ok(json::pretty(&file)?)
 }
 
 /// What is reported of one file.

@@ -78,7 +78,7 @@ mod tests {
             let sagitta = 3.0 - corners[0].midpoint(corners[1]).distance(Point::new(1.0, 2.0));
             assert!(sagitta <= tolerance * (1.0 + 1e-9) && sagitta > 0.2 * tolerance, "{sagitta} of {tolerance}");
         }
-        // A bulge of one is a half circle, to the right of the way from the first to the last point.
+        // A bulge of one is a half circle, to the right of the line between its ends.
         let half = bulge(Point::new(1.0, 0.0), Point::new(-1.0, 0.0), 1.0, 1e-3);
         assert!(half.iter().all(|at| (at.to_vec2().hypot() - 1.0).abs() < 1e-12 && at.y >= 0.0), "{half:?}");
         let quarter = bulge(Point::new(1.0, 0.0), Point::new(0.0, 1.0), (PI / 8.0).tan(), 1e-3);

@@ -113,7 +113,7 @@ impl Reader<'_> {
             }
             "ellipsoid" => {
                 self.found.n_curves += 1;
-                let circle = flatten::circle(Point::ZERO, 1.0, self.tolerance);
+                let circle = flatten::circle(Point::ZERO, 1.0, 2.0 * self.tolerance);
                 let ring = circle.iter().map(|at| place * Point::new(at.x * size[0], at.y * size[1])).collect();
                 Shape::Rings { rings: vec![ring], is_even_odd: false }
             }
@@ -127,7 +127,8 @@ impl Reader<'_> {
     fn stadium(&mut self, a: Point, b: Point, radius: f64) -> Vec<Point> {
         self.found.n_curves += 2;
         let along = (b - a).atan2();
-        let half = |centre, start| flatten::arc(centre, radius, start, std::f64::consts::PI, self.tolerance * radius);
+        let tolerance = self.tolerance * (a.distance(b) + 2.0 * radius);
+        let half = |centre, start| flatten::arc(centre, radius, start, std::f64::consts::PI, tolerance);
         [half(b, along - std::f64::consts::FRAC_PI_2), half(a, along + std::f64::consts::FRAC_PI_2)].concat()
     }
 

@@ -40,8 +40,8 @@ const MOST_PARTS: usize = 100_000;
 const MOST_LINES: usize = 300;
 
 /// The outline that parts in metres enclose together, with its centroid as origin. A single disc
-/// stays a disc. Lines within lines are holes, other parts are joined. An outline is cut through its
-/// holes. Discs beside others become polygons within `tolerance` (m).
+/// stays a disc. Lines within lines are holes, other parts are joined. An outline is cut through
+/// its holes. Discs beside others become polygons within `tolerance` (m).
 pub fn outline(parts: &[Part], tolerance: f64, findings: &mut Findings, account: &mut Account) -> Option<Outlined> {
     if parts.is_empty() || parts.len() > MOST_PARTS {
         findings.report("drawing", format!("must have from 1 to {MOST_PARTS} closed shapes"), parts.len());

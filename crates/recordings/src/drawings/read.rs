@@ -68,6 +68,9 @@ pub struct DrawingOptions<'a> {
 /// Tolerance of curves over the size of the drawing (1): a circle has 100 corners.
 const TOLERANCE: f64 = 5e-4;
 
+/// Smallest tolerance over the size of the drawing (1): more corners than an outline may have.
+const SMALLEST_TOLERANCE: f64 = 1e-9;
+
 /// The outline of a drawing, about its centroid.
 ///
 /// # Errors
@@ -91,7 +94,7 @@ fn outlined(
     if let (Some(tolerance), Some(unit)) = (options.tolerance, unit) {
         let share = tolerance / (unit * size(&found.parts));
         if share.is_finite() && findings.0.is_empty() {
-            found = read_as(text, format, options, share.min(0.1), &mut findings);
+            found = read_as(text, format, options, share.clamp(SMALLEST_TOLERANCE, 0.1), &mut findings);
         }
     }
     if unit.is_none() && findings.0.is_empty() {
@@ -102,7 +105,7 @@ fn outlined(
     account.source = format.title().to_owned();
     scaled(&mut found, unit);
     let size = size(&found.parts);
-    if !is_in_range(size) || size <= 0.0 {
+    if !found.parts.is_empty() && !(is_in_range(size) && size > 0.0) {
         findings.report("drawing", "must have a size that is a positive number of metres of at most 1e50", size);
         return Err(invalid(findings));
     }
@@ -181,7 +184,13 @@ pub fn into_scenario(
     let Outlined { entry, .. } = outlined(file, bytes, format, options, account)?;
     let mut made = like;
     match obstacle {
-        None => (made.load.radius_m, made.load.outline) = (None, Some(entry)),
+        None => {
+            (made.load.radius_m, made.load.outline) = (None, Some(entry));
+            if made.load.inertia_kg_m2.take().is_some() {
+                let text = "moment of inertia, now that of the mass spread over the drawn outline";
+                account.add(Note::new(Kind::Moved, 1, text));
+            }
+        }
         Some(name) => {
             let known = made.obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect::<Vec<_>>().join(", ");
             let Some(found) = made.obstacles.iter_mut().find(|obstacle| obstacle.name == name) else {

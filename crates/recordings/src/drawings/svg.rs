@@ -21,7 +21,8 @@ pub fn read(bytes: &[u8], tolerance: f64) -> Result<Found, String> {
     let width = document.root_element().attribute("width").unwrap_or_default().trim().to_lowercase();
     let is_length = ["mm", "cm", "in", "pt", "pc"].iter().any(|unit| width.ends_with(unit));
     let mut found = Found { unit: is_length.then_some(PIXEL), y_down: true, ..Found::default() };
-    let size = f64::from(tree.size().width().max(tree.size().height()));
+    let bounds = tree.root().abs_bounding_box();
+    let size = f64::from(bounds.width().max(bounds.height()));
     add_group(tree.root(), tolerance * size, &mut found);
     let not_drawn = ["text", "image"]
         .map(|kind| (kind, document.descendants().filter(|node| node.has_tag_name(kind) || node.tag_name().name() == kind).count()));

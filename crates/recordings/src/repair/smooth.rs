@@ -145,7 +145,7 @@ pub fn note_noise(all: &[Vec<Attachment>], account: &mut Account) {
         return;
     }
     if noise * std::f64::consts::SQRT_2 > LOUD * step {
-        account.add(note("places with noise that is large beside their steps: a verdict rests on it; smooth it").warning());
+        account.add(note("places with noise that is large beside their steps: a verdict about inertia is open, unless it is the same at half and at twice --smooth-m").warning());
     } else {
         account.add(note("places with noise from frame to frame"));
     }

@@ -63,6 +63,9 @@ pub fn read(files: &[Reading], format: Option<TrackFormat>, units: &Units, accou
             TrackFormat::DeepLabCut => deeplabcut::read(cells)?,
             _ => table::read(cells, format, &stem(reading.file))?,
         };
+        if points.n_rows == 0 {
+            return Err(of_file("must have a row of numbers", "headers only"));
+        }
         if let Some(both) = all.iter().flat_map(|other| &other.names).find(|name| points.names.contains(name)) {
             return Err(of_file("must have names of tracks that no other file has", both));
         }

@@ -64,7 +64,7 @@ impl Cells {
             .has_headers(false)
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
-        // Counted along with the rows: the reader's own lines begin before empty lines and comments.
+        // Counted along with the rows: the reader's own lines begin before comments.
         let (mut byte, mut line) = (0, 1);
         for row in reader.records() {
             stop::point();
@@ -149,7 +149,7 @@ impl Cells {
                 None
             }
             Err(_) => {
-                self.at(row, name, "must be a number, or empty or NaN where nothing was seen", found);
+                self.at(row, name, "must be a number, or empty where nothing was seen", found);
                 None
             }
         }
