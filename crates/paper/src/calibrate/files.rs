@@ -14,7 +14,7 @@ use cohaul_report::table::Table;
 
 /// Columns of `forces.csv`. The model column is empty beyond the range of Eq. (1), the last two for
 /// tips in the frame of their root.
-fn force_table(forces: &[Force]) -> Table {
+pub(crate) fn force_table(forces: &[Force]) -> Table {
     Table::of(
         forces,
         &[

@@ -8,6 +8,7 @@
 //! fit           Young's modulus, kappa_rho and kappa_tau of measurements
 //! design        dimensions for wanted stiffnesses
 //! recording     tip positions from a camera or a run
+//! units         headings in degrees
 //! sensor        springs and the errors of their stiffnesses
 //! forces        forces on the tips of a recording
 //! behaviour     release law and steering of the ants on the tips of a recording
@@ -31,6 +32,7 @@ mod recording;
 mod sensor;
 pub mod text;
 mod trials;
+mod units;
 
 pub use case::{Case, MOST_TURN};
 pub use design::{DesignReport, Held, Limits, Made, Target, Wanted, design, on_grid};
@@ -39,8 +41,9 @@ pub use equivalents::{RadialEquivalents, SwingEquivalents, least_squares_stiffne
 pub use fit::{Calibration, CaseFit, LinearFit, Ranges, fit};
 pub use forces::{Force, ForceSummary, ForcesReport, summaries, tip_forces};
 pub use measurements::{Measurement, Measurements, Trial};
-pub use pulls::{PullComparison, PullSample, PullSeries, compare_pulls};
+pub use pulls::{PullComparison, PullSample, PullSeries, block_duration, compare_pulls};
 pub use quality::{Bend, Goodness, Misfit};
 pub use recording::{Recording, Sample, Tip};
 pub use sensor::{FittedTo, Sensor};
 pub use trials::{Estimate, Point, TrialSlope, Weighting, agreement, mean_of_cases, pool};
+pub use units::headings_in_degrees;

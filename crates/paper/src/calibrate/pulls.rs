@@ -76,6 +76,11 @@ impl PullSeries {
         Ok(Self { pulls })
     }
 
+    /// Time from the first pull to the last (s).
+    pub fn duration(&self) -> f64 {
+        self.pulls.first().zip(self.pulls.last()).map_or(0.0, |(first, last)| last.0 - first.0)
+    }
+
     /// Blocks of about this duration (s), all of the same; `None` stands for the whole series.
     ///
     /// # Errors
@@ -104,6 +109,18 @@ impl PullSeries {
 
 /// Largest number of blocks of one table (1). Each takes 4 kB while samples are compared.
 const MOST_BLOCKS: f64 = 1e4;
+
+/// Number of blocks into which each table is cut where whole tables are too few for a test (1): two
+/// tables then have 184,756 assignments of their blocks.
+const BLOCKS_OF_A_TABLE: f64 = 10.0;
+
+/// Duration of a block (s) for a test of these series, which are whole blocks themselves if there
+/// are enough of them: then `None`.
+pub fn block_duration(samples: [&[PullSeries]; 2]) -> Option<f64> {
+    let shortest = samples.iter().flat_map(|series| series.iter()).map(PullSeries::duration).fold(f64::INFINITY, f64::min);
+    let are_too_few = assignments(samples[0].len(), samples[1].len()) < LEAST_ASSIGNMENTS;
+    (are_too_few && shortest > 0.0).then_some(shortest / BLOCKS_OF_A_TABLE)
+}
 
 /// Number of pulls at which distribution functions are compared, equally spaced in rank.
 const N_PLACES: usize = 512;

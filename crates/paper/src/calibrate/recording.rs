@@ -90,8 +90,10 @@ impl Recording {
             }
             if sample.tip.distance() > LONGEST * rest_length {
                 let column = if is_in_root { COLUMNS[2] } else { "tip_x_m" };
-                let rule =
-                    format!("must lie within {LONGEST} rest lengths, {:.3} m, of its root (is it in millimetres?)", LONGEST * rest_length);
+                let rule = format!(
+                    "must lie within {LONGEST} rest lengths, {:.3} m, of its root (is it in millimetres? divide by 1000)",
+                    LONGEST * rest_length
+                );
                 table.at(row, column, &rule, format!("{:.4} m", sample.tip.distance()));
             }
             samples.push(sample);

@@ -15,7 +15,7 @@ use clap::Subcommand;
 use super::error::CliError;
 use super::watch::{catch_interrupts, watched_by};
 use cohaul_report::progress::Progress;
-pub use sensor::table_of;
+pub use sensor::{SensorArgs, SensorInput, SpringArgs, table_of};
 
 #[derive(Subcommand)]
 pub enum CalibrateCommand {
@@ -34,11 +34,15 @@ pub enum CalibrateCommand {
 pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
     // An interrupt leaves no file half written.
     catch_interrupts();
-    watched_by(Progress::of_unknown("calibrate"), |_| match command {
+    let progress = match command {
+        CalibrateCommand::Behaviour(_) => Progress::of_share("calibrate behaviour"),
+        _ => Progress::of_unknown("calibrate"),
+    };
+    watched_by(progress, |watch| match command {
         CalibrateCommand::Fit(args) => fit::fit(args),
         CalibrateCommand::Design(args) => design::design(args),
         CalibrateCommand::Forces(args) => forces::forces(args),
-        CalibrateCommand::Behaviour(args) => behaviour::behaviour(args),
+        CalibrateCommand::Behaviour(args) => behaviour::behaviour(args, watch),
         CalibrateCommand::Pulls(args) => pulls::pulls(args),
     })
 }

@@ -14,8 +14,9 @@ use super::super::input::{name_of, read_text};
 use super::super::output::{OutputArgs, measured_manifest};
 use cohaul_paper::calibrate::files::write_result;
 use cohaul_paper::calibrate::text::pulls_text;
-use cohaul_paper::calibrate::{PullSeries, compare_pulls};
+use cohaul_paper::calibrate::{PullSeries, block_duration, compare_pulls};
 use cohaul_report::json;
+use cohaul_report::quantity::quantity;
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -34,7 +35,8 @@ pub struct PullsArgs {
     /// Tables of the other sample
     #[arg(long, required = true, num_args = 1.., value_name = "FORCES")]
     against: Vec<PathBuf>,
-    /// Duration of a block (s) [default: a whole table]
+    /// Duration of a block (s) [default: a whole table, or a tenth of one if
+    /// there are too few]
     #[arg(long, value_name = "S", value_parser = positive)]
     block_s: Option<f64>,
     /// Number of permutations of the blocks
@@ -54,17 +56,27 @@ pub fn pulls(args: &PullsArgs) -> Result<ExitCode, CliError> {
     let started = SystemTime::now();
     args.output.check()?;
     let mut texts = String::new();
-    let mut read = |paths: &[PathBuf]| -> Result<Vec<Vec<Vec<f64>>>, CliError> {
-        paths.iter().map(|path| blocks_of(path, args.block_s, &mut texts)).collect()
-    };
+    let mut read =
+        |paths: &[PathBuf]| -> Result<Vec<PullSeries>, CliError> { paths.iter().map(|path| series_of(path, &mut texts)).collect() };
     let (one, other) = (read(&args.forces)?, read(&args.against)?);
+    let block_s = args.block_s.or_else(|| block_duration([&one, &other]));
+    if let (None, Some(duration)) = (args.block_s, block_s) {
+        let duration = quantity(duration, "s");
+        console::note(format_args!("the tables are cut into blocks of {duration}; --block-s sets another duration"));
+    }
+    let cut = |paths: &[PathBuf], series: &[PullSeries]| -> Result<Vec<Vec<Vec<f64>>>, CliError> {
+        let all = paths.iter().zip(series);
+        all.map(|(path, series)| series.blocks(block_s).map_err(|rule| CliError::Usage(format!("--block-s: {}: {rule}", name_of(path)))))
+            .collect()
+    };
+    let (one, other) = (cut(&args.forces, &one)?, cut(&args.against, &other)?);
     let found = compare_pulls([&one, &other], args.permutations, args.seed).map_err(|rule| CliError::Usage(format!("blocks: {rule}")))?;
     json::check(&found)?;
     if let Some(out) = &args.output.out {
         let options = json!({
             "forces": args.forces,
             "against": args.against,
-            "block_s": args.block_s,
+            "block_s": block_s,
             "permutations": args.permutations,
             "seed": args.seed
         });
@@ -78,11 +90,11 @@ pub fn pulls(args: &PullsArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The blocks of one table, whose text is added to `texts`.
-fn blocks_of(path: &Path, duration: Option<f64>, texts: &mut String) -> Result<Vec<Vec<f64>>, CliError> {
+/// The pulls of one table, whose text is added to `texts`.
+fn series_of(path: &Path, texts: &mut String) -> Result<PullSeries, CliError> {
     let file = if path.is_dir() { path.join("forces.csv") } else { path.to_owned() };
     let text = read_text(&file)?;
     let series = PullSeries::parse(&text, &name_of(&file))?;
     texts.push_str(&text);
-    series.blocks(duration).map_err(|rule| CliError::Usage(format!("--block-s: {}: {rule}", name_of(&file))))
+    Ok(series)
 }

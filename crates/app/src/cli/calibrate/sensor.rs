@@ -14,7 +14,7 @@ use super::super::output::measured_manifest;
 use cohaul::formats;
 use cohaul::model::paper;
 use cohaul::scenario::Scenario;
-use cohaul_paper::calibrate::{Calibration, Force, Recording, Sample, Sensor};
+use cohaul_paper::calibrate::{Calibration, Force, Recording, Sample, Sensor, headings_in_degrees};
 use cohaul_report::folder::MANIFEST;
 use cohaul_report::manifest::Manifest;
 use cohaul_report::quantity::quantity;
@@ -22,10 +22,17 @@ use cohaul_report::quantity::quantity;
 #[derive(Args)]
 pub struct SensorArgs {
     /// Table of tip positions (CSV), - for standard input, or the output folder of a run
-    recording: PathBuf,
+    pub recording: PathBuf,
     /// Scenario of the springs; needed for tips in world axes
     #[arg(long, value_name = "FILE")]
-    scenario: Option<PathBuf>,
+    pub scenario: Option<PathBuf>,
+    #[command(flatten)]
+    pub springs: SpringArgs,
+}
+
+/// How springs measure forces.
+#[derive(Args, Clone)]
+pub struct SpringArgs {
     /// Calibration of `cohaul calibrate fit`, in place of the scenario's stiffnesses
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
@@ -78,8 +85,22 @@ impl SensorArgs {
             let rule = "tips in world axes need --scenario, which has the roots of the springs";
             return Err(CliError::Usage(format!("{name}: {rule}")));
         }
-        let (has_dashpots, calibration) = (self.has_dashpots()?, self.calibration.clone());
+        self.check_units(&name, &recording, &sensor, rest_length)?;
+        let (has_dashpots, calibration) = (self.has_dashpots()?, self.springs.calibration.clone());
         Ok(SensorInput { name, table, scenario, sensor, recording, releases, has_dashpots, calibration })
+    }
+
+    /// Refuses units that the numbers show to be wrong.
+    fn check_units(&self, name: &str, recording: &Recording, sensor: &Sensor, rest_length: f64) -> Result<(), CliError> {
+        if let Some((rule, found)) = headings_in_degrees(recording, sensor) {
+            return Err(CliError::Usage(format!("{name}: heading_rad: {rule}, found headings up to {found:.3}")));
+        }
+        if self.springs.tip_noise_m > rest_length {
+            let (rule, found) =
+                (format!("must be below the rest length, {rest_length} m (is it in millimetres?)"), self.springs.tip_noise_m);
+            return Err(CliError::Usage(format!("--tip-noise-m: {rule}, found {found}")));
+        }
+        Ok(())
     }
 
     /// The scenario of the option, or of the run in the folder.
@@ -108,7 +129,7 @@ impl SensorArgs {
     fn sensor(&self, scenario: Option<&Scenario>) -> Result<Sensor, CliError> {
         let rule = "must be what `cohaul calibrate fit --json` prints";
         let calibration: Option<Calibration> =
-            self.calibration.as_deref().map(|path| read_json(path, &formats::CALIBRATE_FIT, rule)).transpose()?;
+            self.springs.calibration.as_deref().map(|path| read_json(path, &formats::CALIBRATE_FIT, rule)).transpose()?;
         let mut sensor = match scenario {
             Some(scenario) if scenario.system.springs.is_empty() => {
                 return Err(CliError::Usage("the scenario must have springs, found none".into()));
@@ -123,7 +144,10 @@ impl SensorArgs {
                 sensor.springs.iter_mut().for_each(|spring| spring.rest_length = model.rest_length());
             }
         }
-        Ok(Sensor { tip_error: self.tip_noise_m, ..sensor.with_given(self.radial_stiffness_n_per_m, self.torsional_stiffness_nm_per_rad) })
+        Ok(Sensor {
+            tip_error: self.springs.tip_noise_m,
+            ..sensor.with_given(self.springs.radial_stiffness_n_per_m, self.springs.torsional_stiffness_nm_per_rad)
+        })
     }
 }
 
@@ -143,6 +167,13 @@ impl SensorInput {
     /// The manifest of a command that read the table.
     pub fn manifest(&self, command: &str, options: &Value, started: SystemTime) -> Manifest {
         measured_manifest(command, (&self.name, &self.table), options, started)
+    }
+
+    /// The larger relative standard error of the two stiffnesses (1).
+    pub fn stiffness_error(&self) -> f64 {
+        let (sensor, spring) = (&self.sensor, self.sensor.spring(0));
+        let share = |error: f64, stiffness: f64| if stiffness > 0.0 { error / stiffness } else { 0.0 };
+        share(sensor.radial_error, spring.radial_stiffness).max(share(sensor.torsional_error, spring.torsional_stiffness))
     }
 
     /// Where the forces on the tips should be read with care.

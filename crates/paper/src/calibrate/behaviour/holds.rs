@@ -16,6 +16,7 @@ use super::attachments::Attachment;
 use super::profile::{Cost, Minimum, N_PASSES, Parameter, Slope, minimum, parameter, threshold};
 use cohaul::math::{Mat3, Vec3};
 use cohaul::model::behaviour::ReleaseLaw;
+use cohaul::stop;
 
 /// The pulls at both ends of some time (N), its duration (s), and whether the ant let go in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,9 +155,11 @@ impl Likelihood<'_> {
     /// deviations: the root of twice the mean rise of the cost to the best law at that edge, over
     /// data of the law at the point. As pulls, those that occurred are taken.
     fn distance(&self, point: &Vec3, index: usize) -> f64 {
-        let mut mean = MeanLikelihood { of: self, truth: *point };
-        let here = mean.at(point).cost;
-        let rise = |(fixed, start): (usize, Vec3)| minimum(&mut mean, &start, std::array::from_fn(|i| i == fixed)).slope.cost - here;
+        let mean = MeanLikelihood { of: self, truth: *point };
+        let here = mean.at(point, &()).0.cost;
+        let rise = |(fixed, start): (usize, Vec3)| {
+            minimum(&mean, Minimum::start(&mean, &start, &()), std::array::from_fn(|i| i == fixed)).slope.cost - here
+        };
         let least = self.edges(point, index).map(rise).into_iter().fold(f64::INFINITY, f64::min);
         (2.0 * least.max(0.0)).sqrt()
     }
@@ -191,7 +194,10 @@ impl Likelihood<'_> {
 }
 
 impl Cost for Likelihood<'_> {
-    fn at(&mut self, point: &Vec3) -> Slope {
+    type Hidden = ();
+
+    fn at(&self, point: &Vec3, (): &()) -> (Slope, ()) {
+        stop::point();
         let mut slope = Slope { cost: 0.0, gradient: Vec3::zeros(), curvature: Mat3::zeros() };
         let rate = (-point[2]).exp();
         let mut last = (f64::NAN, [0.0; 3]);
@@ -211,7 +217,7 @@ impl Cost for Likelihood<'_> {
             // Fisher's information of a release with this probability.
             slope.curvature += by * by.transpose() / odds;
         }
-        slope
+        (slope, ())
     }
 
     fn bounds(&self) -> [[f64; 2]; 3] {
@@ -231,7 +237,7 @@ impl Cost for Likelihood<'_> {
             }
     }
 
-    fn allowed_share(&mut self, point: &Vec3, index: usize) -> f64 {
+    fn allowed_share(&self, point: &Vec3, index: usize) -> f64 {
         let distance = self.distance(point, index);
         threshold(self.level, distance) / threshold(self.level, f64::INFINITY)
     }
@@ -244,7 +250,9 @@ struct MeanLikelihood<'a> {
 }
 
 impl Cost for MeanLikelihood<'_> {
-    fn at(&mut self, point: &Vec3) -> Slope {
+    type Hidden = ();
+
+    fn at(&self, point: &Vec3, (): &()) -> (Slope, ()) {
         let mut slope = Slope { cost: 0.0, gradient: Vec3::zeros(), curvature: Mat3::zeros() };
         for Group { pull, duration, n } in self.of.groups {
             let expected = |law: &Vec3| {
@@ -258,7 +266,7 @@ impl Cost for MeanLikelihood<'_> {
             slope.gradient += *n * (1.0 - releases - releases / odds) * by;
             slope.curvature += *n * by * by.transpose() / odds;
         }
-        slope
+        (slope, ())
     }
 
     fn bounds(&self) -> [[f64; 2]; 3] {
@@ -278,21 +286,20 @@ pub fn fit(exposures: &[Exposure], period: Option<f64>, level: f64) -> Option<Ho
     }
     let time = total / n_releases as f64;
     let (groups, given) = (groups(exposures), period.map(|period| (period / time).ln()));
-    let mut cost = Likelihood { exposures, pull, time, period: given, level, groups: &groups };
-    let mut best = start(&mut cost);
-    best = minimum(&mut cost, &best.point, [false; 3]);
+    let cost = Likelihood { exposures, pull, time, period: given, level, groups: &groups };
+    let mut best = minimum(&cost, start(&cost), [false; 3]);
     let rise = 0.5 * threshold(level, f64::INFINITY);
     let mut found = [Parameter::default(); 3];
     for _ in 0..N_PASSES {
         let before = best.slope.cost;
         found = std::array::from_fn(|i| match period.filter(|_| i == 2) {
             Some(period) => Parameter::given(period),
-            None => parameter(&mut cost, &mut best, i, rise),
+            None => parameter(&cost, &mut best, i, rise),
         });
         if best.slope.cost > before - 1e-3 * rise {
             break;
         }
-        best = minimum(&mut cost, &best.point, [false; 3]);
+        best = minimum(&cost, best, [false; 3]);
     }
     let law = ReleaseLaw { strong_pull: pull * best.point[1], steepness: best.point[0].exp() / pull, period: time * best.point[2].exp() };
     let bins = bins(exposures, &law);
@@ -312,15 +319,15 @@ pub fn fit(exposures: &[Exposure], period: Option<f64>, level: f64) -> Option<Ho
 
 /// The best of several starts. For a steepness and F_m, the period follows from the number of
 /// releases unless it is given.
-fn start(cost: &mut Likelihood) -> Minimum {
+fn start(cost: &Likelihood) -> Minimum<()> {
     let n_releases = cost.exposures.iter().filter(|exposure| exposure.is_release).count() as f64;
-    let mut start = |steepness: f64, strong: f64| {
+    let start = |steepness: f64, strong: f64| {
         let mut point = Vec3::new(steepness.ln(), strong, 0.0);
         let mean = |exposure: &Exposure| 0.5 * exposure.duration * exposure.pulls.map(|pull| cost.end(&point, pull)[0]).iter().sum::<f64>();
         let expected = cost.exposures.iter().map(mean).sum::<f64>() / cost.time;
         let [low, high] = cost.bounds()[2];
         point[2] = (expected / n_releases).ln().clamp(low, high);
-        Minimum { point, slope: cost.at(&point) }
+        Minimum::start(cost, &point, &())
     };
     let mut best = start(1.0, 2.0);
     for (steepness, strong) in [0.3, 1.0, 3.0, 10.0].into_iter().flat_map(|steepness| [0.5, 2.0, 4.0].map(|strong| (steepness, strong))) {

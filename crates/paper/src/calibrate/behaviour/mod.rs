@@ -17,8 +17,9 @@ mod profile;
 mod report;
 mod steering;
 
-pub use attachments::{Attachment, Held, attachments};
+pub use attachments::{Attachment, Attachments, Held, attachments};
 pub use holds::{Bin, Exposure, HoldFit, aged_exposures, exposures, fit as fit_holds};
 pub use profile::Parameter;
-pub use report::{BehaviourReport, write_behaviour};
+pub use report::{Asked, BehaviourReport, write_behaviour};
+pub(crate) use report::{figure as release_figure, table as release_table};
 pub use steering::{SteeringFit, fit as fit_steering};

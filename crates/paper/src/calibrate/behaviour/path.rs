@@ -4,13 +4,18 @@
 //! from where and in which direction the ant begins, and from the steering gain, the half angle and
 //! the speed. Camera noise is on the positions of the tip, so that whole paths are compared with
 //! them: their differences would be mostly noise.
+//!
+//! An ant turns the shorter way. A path whose ant begins nearly opposite to its desired direction
+//! would jump as soon as a parameter brings it to the other side, and with it the sum of squares.
+//! Here the side is that of the beginning: an ant may turn a little more than half a turn, and
+//! paths depend smoothly on all parameters.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{SMatrix, SVector};
 
 use super::attachments::Attachment;
-use cohaul::math::{Mat3, Vec2, Vec3, wrap_to_pi};
+use cohaul::math::{Mat3, Vec2, Vec3, unwrap_near};
 
 /// Largest step (s): the control period of the paper's scenes.
 const STEP: f64 = 0.0025;
@@ -73,6 +78,7 @@ impl Track {
         let (mut tip, mut direction) = (Vec2::new(start.x, start.y), start.z);
         let mut rows: Rows = std::array::from_fn(|i| SVector::from_fn(|j, _| if i == j { 1.0 } else { 0.0 }));
         let mut found = Residuals { cost: 0.0, gradient: SVector::zeros(), curvature: SMatrix::zeros() };
+        let mut wanted = self.first_desired(nest);
         for i in 0..self.times.len() {
             found.add(&(tip - self.tips[i]), &rows);
             let Some(next) = self.times.get(i + 1) else { break };
@@ -84,7 +90,8 @@ impl Track {
             for k in 0..n as usize {
                 let root = self.roots[i] + k as f64 / n * (self.roots[i + 1] - self.roots[i]);
                 let (desired, by_tip, by_half_angle) = desired(&tip, &root, nest, half_angle);
-                let error = wrap_to_pi(desired - direction);
+                wanted = unwrap_near(desired, wanted);
+                let error = wanted - direction;
                 let (sin, cos) = direction.sin_cos();
                 let [x, y, turn] = rows;
                 let mut towards = x * by_tip.x + y * by_tip.y;
@@ -100,10 +107,18 @@ impl Track {
         found
     }
 
-    /// The direction at the beginning, of equally spaced ones, with the smallest residuals.
+    /// Desired direction at the first sample for a half angle of one (rad): the turn from which all
+    /// directions of the track are counted.
+    fn first_desired(&self, nest: &Vec2) -> f64 {
+        desired(&self.tips[0], &self.roots[0], nest, 1.0).0
+    }
+
+    /// The direction at the beginning, of equally spaced ones within half a turn of the desired
+    /// one, with the smallest residuals.
     pub fn start(&self, nest: &Vec2, steering: &Vec3) -> Vec3 {
         const N: usize = 12;
-        let start = |k: usize| Vec3::new(self.tips[0].x, self.tips[0].y, TAU * k as f64 / N as f64);
+        let opposite = unwrap_near(desired(&self.tips[0], &self.roots[0], nest, steering[1]).0, self.first_desired(nest)) - PI;
+        let start = |k: usize| Vec3::new(self.tips[0].x, self.tips[0].y, opposite + TAU * (k as f64 + 0.5) / N as f64);
         let cost = |start: &Vec3| self.residuals(nest, start, steering).cost;
         (0..N).map(start).min_by(|a, b| cost(a).total_cmp(&cost(b))).expect("there are directions")
     }

@@ -21,10 +21,23 @@ pub struct Slope {
     pub curvature: Mat3,
 }
 
-/// A cost over three parameters. A point may leave something behind that makes the next one near by
-/// cheaper.
+/// A cost over three parameters, in which further unknowns may be hidden.
+///
+/// The hidden unknowns are fitted anew at each point, by steps from those of a point near by. The
+/// cost is then a function of both. A search therefore has to keep the hidden unknowns of a point
+/// with the point: those of a point far out may have settled in another minimum, and would raise
+/// the cost of every point that came after it.
 pub trait Cost {
-    fn at(&mut self, point: &Vec3) -> Slope;
+    /// Best values of the hidden unknowns at a point.
+    type Hidden: Clone;
+
+    /// The cost at a point, with the hidden unknowns fitted by steps from `near`.
+    fn at(&self, point: &Vec3, near: &Self::Hidden) -> (Slope, Self::Hidden);
+
+    /// Hidden unknowns at a point after a search of all their minima.
+    fn look_around(&self, _point: &Vec3, found: &Self::Hidden) -> Self::Hidden {
+        found.clone()
+    }
 
     /// Least and largest value of each parameter.
     fn bounds(&self) -> [[f64; 2]; 3];
@@ -42,15 +55,24 @@ pub trait Cost {
 
     /// Fraction of the allowed rise that is allowed where the parameter `index` has its value of
     /// this point. Near the edge of what the model can do, a smaller rise is as rare.
-    fn allowed_share(&mut self, _point: &Vec3, _index: usize) -> f64 {
+    fn allowed_share(&self, _point: &Vec3, _index: usize) -> f64 {
         1.0
     }
 }
 
 #[derive(Clone, Copy, Debug)]
-pub struct Minimum {
+pub struct Minimum<H> {
     pub point: Vec3,
     pub slope: Slope,
+    pub hidden: H,
+}
+
+impl<H> Minimum<H> {
+    /// A point as the start of a search.
+    pub fn start<C: Cost<Hidden = H>>(cost: &C, point: &Vec3, near: &H) -> Self {
+        let (slope, hidden) = cost.at(point, near);
+        Self { point: *point, slope, hidden }
+    }
 }
 
 /// A fitted or given parameter. A number never comes without a limit: the value is `null` where the
@@ -70,11 +92,21 @@ impl Parameter {
         Self { value: Some(value), low: None, high: None, is_given: true }
     }
 
+    /// Whether the interval has no width. No recording with noise tells a parameter exactly: the
+    /// search for the ends has failed then.
+    pub fn is_collapsed(&self) -> bool {
+        self.low.zip(self.high).is_some_and(|(low, high)| !(high - low > COLLAPSED * low.abs().max(high.abs())))
+    }
+
     /// The parameter as a rising function of this one.
     pub fn map(self, of: impl Fn(f64) -> f64) -> Self {
         Self { value: self.value.map(&of), low: self.low.map(&of), high: self.high.map(&of), ..self }
     }
 }
+
+/// Relative width below which an interval has none (1): rounding of tips, which is the least noise
+/// of a recording, leaves a width of 1e-9 and more.
+const COLLAPSED: f64 = 1e-12;
 
 /// Largest number of passes over all intervals: a pass that finds a lower minimum is repeated.
 pub const N_PASSES: usize = 5;
@@ -83,9 +115,9 @@ const CONVERGED: f64 = 1e-9;
 
 /// Minimum from a start by damped Newton steps (Levenberg and Marquardt) within the bounds, with
 /// some parameters `fixed`.
-pub fn minimum(cost: &mut impl Cost, start: &Vec3, fixed: [bool; 3]) -> Minimum {
+pub fn minimum<C: Cost>(cost: &C, start: Minimum<C::Hidden>, fixed: [bool; 3]) -> Minimum<C::Hidden> {
     let bounds = cost.bounds();
-    let mut best = Minimum { point: *start, slope: cost.at(start) };
+    let mut best = start;
     let mut damping = 1e-4;
     for _ in 0..200 {
         let Slope { gradient, curvature, .. } = best.slope;
@@ -108,15 +140,15 @@ pub fn minimum(cost: &mut impl Cost, start: &Vec3, fixed: [bool; 3]) -> Minimum 
             continue;
         };
         let point = Vec3::from_fn(|i, _| (best.point[i] + step[i]).clamp(bounds[i][0], bounds[i][1]));
-        let slope = cost.at(&point);
-        let gain = best.slope.cost - slope.cost;
+        let next = Minimum::start(cost, &point, &best.hidden);
+        let (gain, whole) = (best.slope.cost - next.slope.cost, next.slope.cost.abs());
         if gain > 0.0 {
-            best = Minimum { point, slope };
+            best = next;
             damping *= 0.2;
         } else {
             damping = f64::max(10.0 * damping, 1e-6);
         }
-        if gain.abs() <= CONVERGED * slope.cost.abs() + cost.resolution() || damping > 1e8 {
+        if gain.abs() <= CONVERGED * whole + cost.resolution() || damping > 1e8 {
             break;
         }
     }
@@ -125,7 +157,7 @@ pub fn minimum(cost: &mut impl Cost, start: &Vec3, fixed: [bool; 3]) -> Minimum 
 
 /// The parameter `index` with its interval at the allowed `rise` of the cost. A lower minimum that
 /// turns up on the way replaces `best`.
-pub fn parameter(cost: &mut impl Cost, best: &mut Minimum, index: usize, rise: f64) -> Parameter {
+pub fn parameter<C: Cost>(cost: &C, best: &mut Minimum<C::Hidden>, index: usize, rise: f64) -> Parameter {
     let [low, high] = cost.bounds()[index];
     // A parameter without any effect on the cost.
     if best.slope.curvature[(index, index)] <= 0.0 {
@@ -162,50 +194,118 @@ pub fn threshold(level: f64, distance: f64) -> f64 {
 /// Largest share of the rise by which an end may miss it, in the square root.
 const END: f64 = 1e-3;
 
-/// End of an interval between the minimum and a bound; `None` if it is beyond the bound.
-fn end(cost: &mut impl Cost, best: &mut Minimum, (index, bound): (usize, f64), rise: f64) -> Option<f64> {
-    let (from, mut start) = (best.point[index], best.point);
-    // The square root of the rise is nearly linear in the parameter.
-    let mut excess = |value: f64, best: &mut Minimum| {
-        start[index] = value;
-        let found = minimum(cost, &start, std::array::from_fn(|i| i == index));
-        start = found.point;
-        if found.slope.cost < best.slope.cost {
-            *best = found;
+/// Width of a bracket, in expected distances of the end from the minimum, below which a rise counts
+/// as a jump of the cost.
+const JUMP: f64 = 1e-4;
+
+/// Excess above which a bracket is halved.
+const STEEP: f64 = 5.0;
+
+/// A value of the parameter, with the least cost over the others.
+struct Tried<H> {
+    value: f64,
+    /// Square root of the rise over the allowed one, less 1: nearly linear in the parameter.
+    excess: f64,
+    is_far_out: bool,
+    at: Minimum<H>,
+}
+
+/// The search for one end of an interval.
+struct End<'a, C: Cost> {
+    cost: &'a C,
+    index: usize,
+    rise: f64,
+    best: &'a mut Minimum<C::Hidden>,
+}
+
+impl<C: Cost> End<'_, C> {
+    fn tried(&mut self, value: f64, near: &Minimum<C::Hidden>) -> Tried<C::Hidden> {
+        let mut point = near.point;
+        point[self.index] = value;
+        let fixed = std::array::from_fn(|i| i == self.index);
+        let at = minimum(self.cost, Minimum::start(self.cost, &point, &near.hidden), fixed);
+        if at.slope.cost < self.best.slope.cost {
+            *self.best = at.clone();
         }
-        let allowed = rise * cost.allowed_share(&found.point, index);
-        (value, ((found.slope.cost - best.slope.cost) / allowed).sqrt() - 1.0, cost.is_far_out(&found.point, index))
-    };
+        let allowed = self.rise * self.cost.allowed_share(&at.point, self.index);
+        let excess = ((at.slope.cost - self.best.slope.cost) / allowed).sqrt() - 1.0;
+        Tried { value, excess, is_far_out: self.cost.is_far_out(&at.point, self.index), at }
+    }
+
+    /// The same value once more, with the hidden unknowns searched for everywhere.
+    fn looked_around(&mut self, tried: &Tried<C::Hidden>) -> Tried<C::Hidden> {
+        let hidden = self.cost.look_around(&tried.at.point, &tried.at.hidden);
+        self.tried(tried.value, &Minimum { hidden, ..tried.at.clone() })
+    }
+}
+
+/// Largest number of looks around at a jump of the cost.
+const MOST_LOOKS: usize = 4;
+
+impl<C: Cost> End<'_, C> {
+    /// The first value towards the bound, in growing steps, that is not in the interval, and the
+    /// last one that is; `None` if the bound is in the interval.
+    fn beyond(&mut self, mut near: Tried<C::Hidden>, bound: f64, mut step: f64) -> Option<[Tried<C::Hidden>; 2]> {
+        loop {
+            let left = bound - near.value;
+            if left == 0.0 {
+                return None;
+            }
+            let tried = self.tried(if step < left.abs() { near.value + step.copysign(left) } else { bound }, &near.at);
+            if tried.excess >= 0.0 {
+                return Some([near, tried]);
+            }
+            near = tried;
+            step *= 2.0;
+        }
+    }
+
+    /// Narrows a bracket of the end to the tolerance or to this width, by regula falsi with
+    /// Illinois' halving. Each search begins at the point within the interval.
+    fn narrowed(&mut self, [mut near, mut far]: [Tried<C::Hidden>; 2], width: f64) -> [Tried<C::Hidden>; 2] {
+        let (mut inner, mut outer, mut was_within) = (near.excess, far.excess, None);
+        while near.excess < -END && far.excess > END && (far.value - near.value).abs() > width {
+            // A rise so steep tells little about where the end is.
+            let back = if far.excess > STEEP { 0.5 } else { outer / (outer - inner) };
+            let tried = self.tried(far.value - back * (far.value - near.value), &near.at);
+            let is_within = tried.excess < 0.0;
+            let halved = if was_within == Some(is_within) { 0.5 } else { 1.0 };
+            if is_within {
+                (inner, outer, near) = (tried.excess, halved * outer, tried);
+            } else {
+                (inner, outer, far) = (halved * inner, tried.excess, tried);
+            }
+            was_within = Some(is_within);
+        }
+        [near, far]
+    }
+}
+
+/// End of an interval between the minimum and a bound; `None` if it is beyond the bound.
+fn end<C: Cost>(cost: &C, best: &mut Minimum<C::Hidden>, (index, bound): (usize, f64), rise: f64) -> Option<f64> {
+    let from = best.point[index];
     let variance = best.slope.curvature.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(index, index)]);
     let mut step = (2.0 * rise * variance).sqrt();
     if !(step > 0.0 && step < (bound - from).abs()) {
         step = 0.1 * (bound - from).abs();
     }
-    let (mut near, mut far) = ((from, -1.0, false), (from, -1.0, false));
-    while far.1 < 0.0 {
-        if far.0 == bound {
-            return None;
+    let width = step * JUMP;
+    let mut near = Tried { value: from, excess: -1.0, is_far_out: false, at: best.clone() };
+    let mut search = End { cost, index, rise, best };
+    for look in 0.. {
+        let bracket = search.beyond(near, bound, step)?;
+        let [within, beyond] = search.narrowed(bracket, width);
+        if within.excess >= -END {
+            return (!within.is_far_out).then_some(within.value);
         }
-        near = far;
-        let value = if step < (bound - near.0).abs() { near.0 + step.copysign(bound - from) } else { bound };
-        far = excess(value, best);
-        step *= 2.0;
+        let is_jump = beyond.excess > END && look < MOST_LOOKS;
+        let again = if is_jump { search.looked_around(&beyond) } else { beyond };
+        if again.excess >= 0.0 {
+            return (!again.is_far_out).then_some(again.value);
+        }
+        near = again;
     }
-    // Regula falsi with Illinois' halving.
-    for _ in 0..40 {
-        let value = far.0 - far.1 * (far.0 - near.0) / (far.1 - near.1);
-        if far.1.abs() <= END || value == near.0 || value == far.0 {
-            break;
-        }
-        let found = excess(value, best);
-        if (found.1 < 0.0) == (far.1 < 0.0) {
-            near.1 *= 0.5;
-        } else {
-            near = far;
-        }
-        far = found;
-    }
-    (!far.2).then_some(far.0)
+    unreachable!("the looks around are counted")
 }
 
 #[cfg(test)]

@@ -5,11 +5,13 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::holds::{Bin, HoldFit};
+use super::attachments::{Attachment, Attachments};
+use super::holds::{Bin, HoldFit, aged_exposures, exposures, fit as fit_holds};
 use super::profile::Parameter;
-use super::steering::SteeringFit;
+use super::steering::{SteeringFit, fit as fit_steering};
 use crate::calibrate::text::percent;
 use cohaul::formats::{self, Format, Versioned};
+use cohaul::math::Vec2;
 use cohaul::model::behaviour::ReleasePace;
 use cohaul_report::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use cohaul_report::chart::{MILLI, TIME_HEIGHT, WIDTH, grid};
@@ -25,6 +27,12 @@ pub struct BehaviourReport {
     pub n_attachments: usize,
     pub n_releases: usize,
     pub mean_duration_s: f64,
+    /// Whether the table has a column of events.
+    pub has_events: bool,
+    /// Number of releases that follow from a tip that sprang back within a frame (1).
+    pub n_releases_by_spring_back: usize,
+    /// Number of gaps within attachments that were bridged (1).
+    pub n_gaps_bridged: usize,
     /// `null` without a release.
     pub release: Option<HoldFit>,
     /// `null` without a nest, or without tips in world axes.
@@ -39,30 +47,123 @@ impl Versioned for BehaviourReport {
 
 /// p-value below which a law does not fit.
 const UNLIKELY: f64 = 0.01;
+/// Share of the work that is the fit of the release law (1).
+const OF_RELEASES: f64 = 0.2;
 /// Noise of the pulls, in units of 1/zeta, above which it flattens the release law by more than a
 /// few percent.
 const NOISY: f64 = 0.3;
 
+/// What is asked about the ants of a recording.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    pub pace: ReleasePace,
+    /// Known time between two release decisions (s).
+    pub decision_period: Option<f64>,
+    /// Position of the nest (m).
+    pub nest: Option<Vec2>,
+    /// Stated standard deviation of a tip along either axis (m).
+    pub tip_error: f64,
+    /// Larger relative standard error of the two stiffnesses (1).
+    pub stiffness_error: f64,
+    /// Confidence of the intervals (1).
+    pub level: f64,
+}
+
+/// Residuals over the noise between frames (1) from which on the fit leaves more than noise: the
+/// ratio of the two scatters by 2 % over a thousand frames.
+const MORE_THAN_NOISE: f64 = 1.2;
+
 impl BehaviourReport {
-    /// Adds warnings about the fit. `pull_sd` is the noise of the pulls (N), and `stiffness_error`
-    /// the relative standard error of the stiffnesses (1).
-    pub fn warn(&mut self, pull_sd: f64, stiffness_error: f64) {
-        if let Some(found) = &self.release {
-            if let Some(p) = found.p_value.filter(|p| *p < UNLIKELY) {
-                self.warnings.push(format!("the release law does not fit: p = {} that bins of the pull differ as much", number(p)));
-            }
-            if pull_sd * found.law.steepness > NOISY {
-                let noise = quantity(pull_sd, "N");
-                self.warnings.push(format!("the noise of the pulls, {noise}, is not small beside 1/zeta: the fitted law is too flat"));
-            }
-            if stiffness_error > 0.0 {
-                let share = number(percent(stiffness_error));
-                self.warnings
-                    .push(format!("the stiffnesses have a standard error of {share} %, which F_m and 1/zeta share beyond their intervals"));
-            }
+    /// Fits release law and steering to the attachments of a recording. `done` receives the share
+    /// of the work done (1). `None` if the pace needs a decision period and none is known.
+    pub fn fitted(found: &Attachments, asked: &Asked, done: &dyn Fn(f64)) -> Option<Self> {
+        let all = &found.all;
+        let exposures = match (asked.pace, asked.decision_period) {
+            (ReleasePace::Hazard, _) => exposures(all),
+            (_, Some(period)) => aged_exposures(all, period),
+            (_, None) => return None,
+        };
+        let total: f64 = all.iter().map(Attachment::duration).sum();
+        let release = fit_holds(&exposures, asked.decision_period, asked.level);
+        done(OF_RELEASES);
+        let rest = |share: f64| done(OF_RELEASES + (1.0 - OF_RELEASES) * share);
+        let mut report = Self {
+            pace: asked.pace,
+            confidence: asked.level,
+            n_attachments: all.len(),
+            n_releases: all.iter().filter(|own| own.release.is_some()).count(),
+            mean_duration_s: if all.is_empty() { 0.0 } else { total / all.len() as f64 },
+            has_events: found.has_events,
+            n_releases_by_spring_back: found.n_sprung,
+            n_gaps_bridged: found.n_bridged,
+            release,
+            steering: asked.nest.and_then(|nest| fit_steering(all, nest, asked.tip_error, asked.level, &rest)),
+            tip_noise_m: asked.tip_error,
+            warnings: Vec::new(),
+        };
+        report.warn_of_reading(found);
+        report.warn_of_release(pull_noise(all), asked.stiffness_error);
+        report.warn_of_steering();
+        Some(report)
+    }
+
+    /// The six parameters with the names that are printed.
+    pub fn parameters(&self) -> Vec<(&'static str, &Parameter)> {
+        let release =
+            self.release.iter().flat_map(|of| [("zeta", &of.steepness_per_n), ("F_m", &of.strong_pull_n), ("D_r", &of.decision_period_s)]);
+        let steering = self
+            .steering
+            .iter()
+            .flat_map(|of| [("k", &of.steering_gain_per_s), ("beta", &of.steering_half_angle_rad), ("pull speed", &of.pull_speed_m_per_s)]);
+        release.chain(steering).collect()
+    }
+
+    fn warn_of_reading(&mut self, found: &Attachments) {
+        if !found.has_events && self.n_releases > 0 {
+            let (n, reach) = (found.n_sprung, quantity(found.reach, "m"));
+            self.warnings.push(format!(
+                "no column event: {n} releases follow from tips that sprang back within a frame; a release within {reach} of the \
+                 place at rest is not seen"
+            ));
         }
-        if let Some(p) = self.steering.as_ref().and_then(|found| found.p_value).filter(|p| *p < UNLIKELY) {
+        if found.n_bridged > 0 {
+            let n = found.n_bridged;
+            self.warnings.push(format!("{n} gaps of a few frames are bridged: the tip came back where an ant walks to"));
+        }
+        let collapsed: Vec<&str> = self.parameters().iter().filter(|(_, found)| found.is_collapsed()).map(|(name, _)| *name).collect();
+        if !collapsed.is_empty() {
+            self.warnings.push(format!("the interval of {} has no width: its ends were not found", collapsed.join(", ")));
+        }
+    }
+
+    /// `pull_sd` is the noise of the pulls (N).
+    fn warn_of_release(&mut self, pull_sd: f64, stiffness_error: f64) {
+        let Some(found) = &self.release else { return };
+        if let Some(p) = found.p_value.filter(|p| *p < UNLIKELY) {
+            self.warnings.push(format!("the release law does not fit: p = {} that bins of the pull differ as much", number(p)));
+        }
+        if pull_sd * found.law.steepness > NOISY {
+            let noise = quantity(pull_sd, "N");
+            self.warnings.push(format!("the noise of the pulls, {noise}, is not small beside 1/zeta: the fitted law is too flat"));
+        }
+        if stiffness_error > 0.0 {
+            let share = number(percent(stiffness_error));
+            self.warnings
+                .push(format!("the stiffnesses have a standard error of {share} %, which F_m and 1/zeta share beyond their intervals"));
+        }
+    }
+
+    fn warn_of_steering(&mut self) {
+        let Some(found) = &self.steering else { return };
+        if let Some(p) = found.p_value.filter(|p| *p < UNLIKELY) {
             self.warnings.push(format!("the paths of the tips are farther from the fit than the stated noise: p = {}", number(p)));
+        }
+        if found.residual_rms_m > MORE_THAN_NOISE * found.noise_between_frames_m {
+            let [rms, noise] = [found.residual_rms_m, found.noise_between_frames_m].map(|length| quantity(length, "m"));
+            self.warnings.push(format!(
+                "the paths of the tips are {rms} from the fit, and the noise between frames is {noise}: releases are missing, or ants \
+                 steer otherwise; intervals of k, beta and the speed are too narrow"
+            ));
         }
     }
 
@@ -110,14 +211,26 @@ fn parameter(found: &Parameter, shown: impl Fn(f64) -> String) -> String {
         (None, Some(high)) => format!("{} or less", shown(high)),
         (None, None) => return "not determined by this recording".to_owned(),
     };
-    found.value.map_or(limits.clone(), |value| format!("{}; {limits}", shown(value)))
+    let Some(value) = found.value else { return limits };
+    match found.low.zip(found.high) {
+        // More digits than are shown are known.
+        Some((low, high)) if shown(low) == shown(high) => format!("{} +- {} %", shown(value), number(percent(0.5 * (high - low) / value))),
+        _ => format!("{}; {limits}", shown(value)),
+    }
+}
+
+/// Root mean square of the noise of the pulls that comes from the tips (N).
+fn pull_noise(found: &[Attachment]) -> f64 {
+    let all = || found.iter().flat_map(|own| &own.held);
+    let squares: f64 = all().map(|held| held.pull_sd * held.pull_sd).sum();
+    (squares / all().count().max(1) as f64).sqrt()
 }
 
 const LAW: Style = Style { color: "#0072B2", dash: "", width: 1.8 };
 const COUNTED: Style = Style { color: "#000000", dash: "", width: 1.0 };
 
 /// Release rate against the pull: counted in bins, with 95 % intervals, and the fitted law.
-fn figure(found: &HoldFit, pace: ReleasePace) -> String {
+pub fn figure(found: &HoldFit, pace: ReleasePace) -> String {
     const N: usize = 200;
     let mut panel = Panel::new("pull (mN)", "release rate (1/s)", Scale::FromZero);
     let most = found.bins.last().map_or(0.0, |bin| bin.pull_high_n);
@@ -140,9 +253,10 @@ fn figure(found: &HoldFit, pace: ReleasePace) -> String {
     grid(&[panel], &[legend], 1, WIDTH, TIME_HEIGHT)
 }
 
-fn bin_table(bins: &[Bin]) -> Table {
+/// Releases in bins of the pull.
+pub fn table(found: &HoldFit) -> Table {
     Table::of(
-        bins,
+        &found.bins,
         &[
             ("pull low", "N", &|bin| bin.pull_low_n.into()),
             ("pull high", "N", &|bin| bin.pull_high_n.into()),
@@ -164,7 +278,7 @@ pub fn write_behaviour(target: &Path, found: &BehaviourReport, manifest: &Manife
     folder.write_json("behaviour.json", found)?;
     folder.write("behaviour.txt", |out| out.write_all(found.text().as_bytes()))?;
     if let Some(release) = &found.release {
-        folder.write("releases.csv", |out| bin_table(&release.bins).write_csv(out))?;
+        folder.write("releases.csv", |out| table(release).write_csv(out))?;
         folder.write("releases.svg", |out| out.write_all(figure(release, found.pace).as_bytes()))?;
     }
     folder.finish(manifest)
