@@ -6,7 +6,7 @@ use cohaul::backend::{BackendKind, BackendOptions};
 use cohaul::math::{RandomStreams, Stream};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{EventKind, Keep, Simulation, Trace};
-use cohaul_paper::calibrate::behaviour::{Attachment, attachments};
+use cohaul_paper::calibrate::behaviour::{Attachments, attachments};
 use cohaul_paper::calibrate::{Recording, Sensor};
 use cohaul_report::tips_csv::write_tips;
 use serde_json::json;
@@ -55,6 +55,11 @@ impl Truth {
 
     /// Four ants at four springs whose nest is too far away to arrive.
     pub fn scenario(&self, pace: &str) -> Scenario {
+        self.scenario_to(NEST, pace)
+    }
+
+    /// Four ants at four springs with the nest at this place (m).
+    fn scenario_to(&self, nest: [f64; 2], pace: &str) -> Scenario {
         let text = include_str!("../../../scenarios/paper/four-ants-four-springs.json");
         let mut scene: serde_json::Value = serde_json::from_str(text).unwrap();
         scene["duration_s"] = json!(self.duration);
@@ -62,7 +67,7 @@ impl Truth {
         scene["drive"] = json!({
             "kind": "ants",
             "n_ants": 4,
-            "nest_position_m": NEST,
+            "nest_position_m": nest,
             "release_pace": pace,
             "release_steepness_per_n": self.steepness,
             "strong_pull_n": self.strong_pull,
@@ -75,12 +80,38 @@ impl Truth {
     }
 
     pub fn run(&self, pace: &str) -> Observed {
-        let scenario = self.scenario(pace);
+        self.observed(self.scenario(pace))
+    }
+
+    fn observed(&self, scenario: Scenario) -> Observed {
         assert!(matches!(scenario.drive, Drive::Ants(_)));
         let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period), Keep::Trace);
         run.run(|_| true);
         Observed { seed: self.seed, trace: run.into_results().0, scenario }
     }
+}
+
+/// The ants of `data/colony-tips.csv`: none of their values is that of the paper.
+const COLONY: Truth =
+    Truth { seed: 2010, duration: 30.0, steepness: 300.0, strong_pull: 0.018, period: 0.15, gain: 8.0, half_angle: 0.9, speed: 0.03 };
+
+/// Comment at the top of `data/colony-tips.csv`.
+pub const COLONY_COMMENT: &str =
+    "# Generated, not measured: four ants on four springs for 30 s, seen 40 times a second with 0.1 mm of noise.
+# Their truth: zeta 300 1/N, F_m 18 mN, D_r 0.15 s, k 8 1/s, beta 0.9 rad, pull speed 30 mm/s.
+# cargo run --example generate_colony prints this file.
+";
+
+/// The rows of `data/colony-tips.csv`, to 10 micrometres and 10 microradians.
+pub fn colony() -> String {
+    const TENTH_OF_A_MM: f64 = 1e-4;
+    let table = COLONY.observed(COLONY.scenario_to([0.2, -0.17], "hazard")).camera(10, TENTH_OF_A_MM);
+    let short = |(at, field): (usize, &str)| match field.parse::<f64>() {
+        Ok(number) if at != 1 => format!("{:.5}", number + 0.0).trim_end_matches('0').trim_end_matches('.').to_owned(),
+        _ => field.to_owned(),
+    };
+    let line = |line: &str| line.split(',').enumerate().map(short).collect::<Vec<_>>().join(",") + "\n";
+    table.lines().map(line).collect()
 }
 
 /// Position of the nest (m).
@@ -133,7 +164,7 @@ impl Observed {
     }
 
     /// Attachments of a table of this run.
-    pub fn attachments(&self, table: &str) -> Vec<Attachment> {
+    pub fn attachments(&self, table: &str) -> Attachments {
         let sensor = self.sensor();
         let (recording, releases) = Recording::with_releases(table, "observed", Some(sensor.springs.len()), 0.0263).unwrap();
         attachments(&recording, releases.as_deref(), &sensor)
