@@ -187,6 +187,8 @@ formats! {
     CALIBRATE_PULLS = ("cohaul calibrate pulls", 1, "`calibrate pulls --json`, `pulls.json`", None);
     /// What an import did to a recording or a drawing.
     IMPORT = ("cohaul import", 1, "`scenario import --json`, `NAME.import.json` beside its `--out`", None);
+    /// Result of `colony`.
+    COLONY = ("cohaul colony", 1, "`colony --json`, `colony.json`", None);
     /// Result of `scenario check`.
     SCENARIO_CHECK = ("cohaul scenario check", 1, "`scenario check --json`", None);
 }

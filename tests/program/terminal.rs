@@ -135,6 +135,7 @@ fn printed_results_fit_a_terminal() {
         &["calibrate", "design", "--radial-stiffness-n-per-m", "0.664", "--torsional-stiffness-nm-per-rad", "4.52e-4"],
         &["calibrate", "forces", &run, "--tip-noise-m", "1e-4", "--out", &forces],
         &["calibrate", "behaviour", &run],
+        &["colony", &run, "--like", ANTS, "--seeds", "2", "--backend", "quasi-static"],
         &["calibrate", "pulls", &forces, "--against", &forces, "--block-s", "5"],
         &["scenario", "check", SCENE, ANTS],
         &["scenario", "check", SCENE, "--verbose"],

@@ -2,6 +2,8 @@
 //! forces of recorded tips are those of the run.
 
 mod behaviour;
+mod colonies;
+mod colony;
 mod coverage;
 mod design;
 mod fit;

@@ -44,18 +44,22 @@ impl Room {
 
 const EXAMPLE: &str = "data/spring-calibration.csv";
 
-/// The commands of the book's page, one after the other, with their outputs in another folder.
+/// The commands of three pages of the book, one after the other, with their outputs in another
+/// folder.
 #[test]
 fn the_commands_of_the_book_run_one_after_the_other() {
-    let room = Room(tempdir().unwrap());
-    let page = fs::read_to_string(crate::root::root().join("docs/src/force-sensor.md")).unwrap().replace("\\\n", " ");
-    let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("cargo run --release -- ")).collect();
-    assert_eq!(commands.len(), 4, "{commands:?}");
-    for command in commands {
-        let words: Vec<String> =
-            command.split_whitespace().map(|word| word.strip_prefix("out/").map_or(word.to_owned(), |name| room.path(name))).collect();
-        let output = call(&words.iter().map(String::as_str).collect::<Vec<_>>());
-        assert_eq!(output.status.code(), Some(0), "{command}: {}", text(&output.stderr));
+    for (page, n) in [("force-sensor", 5), ("behaviour", 6), ("colony", 3)] {
+        let room = Room(tempdir().unwrap());
+        let text_of_page = fs::read_to_string(crate::root::root().join(format!("docs/src/{page}.md"))).unwrap().replace("\\\n", " ");
+        let of_program = |line| ["cargo run --release -- ", "cohaul "].iter().find_map(|start| str::strip_prefix(line, start));
+        let commands: Vec<&str> = text_of_page.lines().filter_map(of_program).collect();
+        assert_eq!(commands.len(), n, "{commands:?}");
+        for command in commands {
+            let words: Vec<String> =
+                command.split_whitespace().map(|word| word.strip_prefix("out/").map_or(word.to_owned(), |name| room.path(name))).collect();
+            let output = call(&words.iter().map(String::as_str).collect::<Vec<_>>());
+            assert_eq!(output.status.code(), Some(0), "{command}: {}", text(&output.stderr));
+        }
     }
 }
 
@@ -124,7 +128,9 @@ fn the_behaviour_of_a_run_is_fitted_and_its_pulls_are_compared() {
     assert_eq!(call(&["calibrate", "forces", &run, "--out", &forces]).status.code(), Some(0));
     let same = json_of(&["calibrate", "pulls", &forces, "--against", &forces, "--block-s", "0.5", "--permutations", "99", "--json"]);
     assert!(same["distance"] == 0.0 && same["p_value"] == 1.0, "{same}");
-    refused(&["calibrate", "pulls", &forces, "--against", &forces], &["assignments", "found 1 and 1"]);
+    let cut = call(&["calibrate", "pulls", &forces, "--against", &forces, "--permutations", "99"]);
+    assert!(cut.status.success() && text(&cut.stderr).contains("the tables are cut into blocks of"), "{}", text(&cut.stderr));
+    refused(&["calibrate", "pulls", &forces, "--against", &forces, "--block-s", "1000"], &["assignments", "found 1 and 1"]);
     refused(&["calibrate", "behaviour", &run, "--pace", "aged"], &["--decision-period-s", "found none"]);
     let tips = format!("{run}/tips.csv");
     refused(&["calibrate", "behaviour", &tips], &["tips in world axes need --scenario"]);

@@ -194,6 +194,7 @@ impl Outputs {
         self.take(&["calibrate", "forces", &run, "--calibration", &format!("{fit}/calibration.json"), "--out", &forces]);
         self.take(&["calibrate", "behaviour", &run, "--tip-noise-m", "1e-6"]);
         self.take(&["calibrate", "pulls", &forces, "--against", &forces, "--block-s", "0.5", "--permutations", "99"]);
+        self.take(&["colony", &run, "--like", &self.ants(), "--seeds", "2", "--backend", "quasi-static"]);
         let stiffness = ["--radial-stiffness-n-per-m", "0.664", "--torsional-stiffness-nm-per-rad", "4.52e-4"];
         self.take(&[&["calibrate", "design", "--grid-m", "1e-5"][..], &stiffness].concat());
     }

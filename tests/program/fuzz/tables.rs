@@ -6,6 +6,7 @@ use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Row};
 use cohaul_paper::calibrate::behaviour::{attachments, exposures, fit_holds, fit_steering};
 use cohaul_paper::calibrate::{Dimensions, Measurements, PullSeries, Ranges, Recording, Sensor, compare_pulls, fit, summaries, tip_forces};
+use cohaul_paper::colony::{Measures, recorded};
 use cohaul_paper::from_tips::scenario_from_tips;
 use cohaul_report::json;
 use cohaul_studies::compare::beside::recorded_path;
@@ -31,9 +32,12 @@ fn read_tips(input: &[u8]) -> Result<(), String> {
     let (recording, releases) = Recording::with_releases(&text, "tips.csv", None, 0.0263).map_err(told)?;
     let forces = tip_forces(&recording, &sensor);
     finite("forces", &summaries(&forces, &sensor));
-    let found = attachments(&recording, releases.as_deref(), &sensor);
+    let found = attachments(&recording, releases.as_deref(), &sensor).all;
     finite("holds", &fit_holds(&exposures(&found), Some(0.1), 0.95));
-    finite("steering", &fit_steering(&found, Vec2::new(1.0, 0.0), 1e-4, 0.95));
+    finite("steering", &fit_steering(&found, Vec2::new(1.0, 0.0), 1e-4, 0.95, &|_| {}));
+    if let Some(seen) = recorded(&recording, &forces) {
+        finite("colony", &Measures::of(&seen.rows, seen.period, 1));
+    }
     if recording.is_in_world() { from_tips.map(drop) } else { Ok(()) }
 }
 

@@ -4,6 +4,7 @@ mod bench;
 mod calibrate;
 mod check;
 mod choice;
+mod colony;
 mod compare;
 mod conformance;
 mod console;
@@ -124,6 +125,8 @@ commands! {
     /// Use springs as force sensors: fit, design, read forces
     #[command(subcommand)]
     Calibrate(calibrate::CalibrateCommand) => calibrate::calibrate,
+    /// Fit the ants of a recording, and draw the paper's figures for them
+    Colony(colony::ColonyArgs) => colony::colony,
     /// Check and show scenario files
     #[command(subcommand)]
     Scenario(scenario::ScenarioCommand) => scenario::scenario,

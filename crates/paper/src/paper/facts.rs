@@ -78,6 +78,8 @@ pub struct At<T> {
 pub struct Series {
     /// Start of the first window (s).
     pub start_s: f64,
+    /// Length of a window (s): [`WINDOW_S`], rounded to whole periods.
+    pub window_s: f64,
     /// (m/s)
     pub speed: Vec<f64>,
     /// (rad/s), of either sense.
@@ -154,19 +156,31 @@ pub fn series_of(trace: &Trace, scenario: &Scenario) -> Series {
     let Some(start_s) = trace.events.iter().find(|event| event.kind == EventKind::Grasp).map(|event| event.time) else {
         return Series::default();
     };
-    let (stride, ticks) = (ticks_in(LOOK_S, scenario), ticks_in(WINDOW_S, scenario));
     let first = trace.rows.partition_point(|row| row.time < start_s);
-    let mut series = Series { start_s, ..Series::default() };
-    for rows in trace.rows[first..].windows(ticks + 1).step_by(ticks) {
-        let duration = rows[ticks].time - rows[0].time;
-        let along = |way: fn(&Row, &Row) -> f64| rows.windows(2).map(|pair| way(&pair[0], &pair[1])).sum::<f64>() / duration;
-        series.speed.push(along(|a, b| (b.motion.pose.position - a.motion.pose.position).norm()));
-        series.turn_rate.push(along(|a, b| (b.motion.pose.heading - a.motion.pose.heading).abs()));
-        let looked_at = rows[..ticks].iter().step_by(stride);
-        let n = looked_at.len() as f64;
-        series.interaction.push(looked_at.map(interaction).sum::<f64>() / n);
+    Series { start_s, ..Series::of_rows(&trace.rows[first..], scenario.control_period, 1) }
+}
+
+impl Series {
+    /// The series of rows at equal times, `period` apart (s), from the first one on. Motion is the
+    /// sum of the displacements over `step` rows each: over single rows, noise of recorded poses
+    /// would count as motion. A window holds a whole number of steps.
+    pub fn of_rows(rows: &[Row], period: f64, step: usize) -> Self {
+        let ticks_in = |duration: f64| (duration / period).round().clamp(1.0, 1e9) as usize;
+        let (stride, ticks) = (ticks_in(LOOK_S), ticks_in(WINDOW_S));
+        let (start_s, window_s) = (rows.first().map_or(0.0, |row| row.time), ticks as f64 * period);
+        let mut series = Series { start_s, window_s, ..Series::default() };
+        for rows in rows.windows(ticks + 1).step_by(ticks) {
+            let duration = rows[ticks].time - rows[0].time;
+            let places: Vec<&Row> = rows.iter().step_by(step).collect();
+            let along = |way: fn(&Row, &Row) -> f64| places.windows(2).map(|pair| way(pair[0], pair[1])).sum::<f64>() / duration;
+            series.speed.push(along(|a, b| (b.motion.pose.position - a.motion.pose.position).norm()));
+            series.turn_rate.push(along(|a, b| (b.motion.pose.heading - a.motion.pose.heading).abs()));
+            let looked_at = rows[..ticks].iter().step_by(stride);
+            let n = looked_at.len() as f64;
+            series.interaction.push(looked_at.map(interaction).sum::<f64>() / n);
+        }
+        series
     }
-    series
 }
 
 /// Sum of the sizes of the interaction forces of all pairs (N).
@@ -184,7 +198,7 @@ impl Changes {
         [("speed", |of| of.speed), ("turn rate", |of| of.turn_rate), ("interaction", |of| of.interaction)];
 
     pub fn of(series: &Series, seed: u64) -> Self {
-        let time_s = |at: usize| series.start_s + WINDOW_S * at as f64;
+        let time_s = |at: usize| series.start_s + series.window_s * at as f64;
         let of = |values: &[f64]| change_of_mean(values, BLOCK, seed).map(|change| At { time_s: time_s(change.at), change });
         let phase = phase_change([&series.speed, &series.turn_rate, &series.interaction], BLOCK, seed);
         let phase = phase.map(|change| At { time_s: time_s(change.at), change });

@@ -18,19 +18,22 @@ const FAINT: Style = Style { color: "#999999", dash: "2 2.5", width: 1.0 };
 const BAR: f64 = 0.36;
 const CAP: f64 = 0.12;
 
-fn bar(x: f64, height: f64, style: Style) -> Curve {
-    Curve::new(vec![[x - BAR, 0.0], [x - BAR, height], [x + BAR, height], [x + BAR, 0.0]], style, Shape::Path)
+/// The outline of a bar about `x` with this half width.
+pub(crate) fn bar(x: f64, half_width: f64, height: f64, style: Style) -> Curve {
+    let (left, right) = (x - half_width, x + half_width);
+    Curve::new(vec![[left, 0.0], [left, height], [right, height], [right, 0.0]], style, Shape::Path)
 }
 
-fn whisker(x: f64, Interval { low, high }: Interval, style: Style) -> Curve {
-    let (left, right) = (x - CAP, x + CAP);
+/// An upright line with caps of this half width at its ends.
+pub(crate) fn whisker(x: f64, half_width: f64, Interval { low, high }: Interval, style: Style) -> Curve {
+    let (left, right) = (x - half_width, x + half_width);
     Curve::new(vec![[left, low], [right, low], [x, low], [x, high], [left, high], [right, high]], style, Shape::Path)
 }
 
 /// A point with its interval, in print units.
 fn dot(x: f64, estimate: &Estimate, unit: f64, style: Style) -> Vec<Curve> {
     let scaled = |interval: Interval| Interval { low: unit * interval.low, high: unit * interval.high };
-    let whiskers = estimate.interval_95.map(|interval| whisker(x, scaled(interval), style));
+    let whiskers = estimate.interval_95.map(|interval| whisker(x, CAP, scaled(interval), style));
     std::iter::once(Curve::new(vec![[x, unit * estimate.value]], style, Shape::Dots)).chain(whiskers).collect()
 }
 
@@ -46,14 +49,14 @@ pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     for speeds in &found.load_speed {
         let x = speeds.n_transporting as f64;
         if let Some(estimate) = &speeds.headway_m_per_s {
-            headway.curves.push(bar(x, MILLI * estimate.value, OURS));
+            headway.curves.push(bar(x, BAR, MILLI * estimate.value, OURS));
             headway.curves.extend(dot(x, estimate, MILLI, OURS));
         }
         let Some(estimate) = &speeds.load_speed_m_per_s else { continue };
-        speed.curves.push(bar(x, MILLI * estimate.value, OURS));
+        speed.curves.push(bar(x, BAR, MILLI * estimate.value, OURS));
         let sd = speeds.sd_over_runs_m_per_s.unwrap_or_default();
         let spread = Interval { low: MILLI * (estimate.value - sd).max(0.0), high: MILLI * (estimate.value + sd) };
-        speed.curves.push(whisker(x, spread, FAINT));
+        speed.curves.push(whisker(x, CAP, spread, FAINT));
         speed.curves.extend(dot(x, estimate, MILLI, OURS));
     }
     speed.note = Some("bars: all runs; whiskers: 95 %; dotted: standard deviation over runs".to_owned());
@@ -61,7 +64,7 @@ pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
         let x = size as f64;
         share.curves.push(Curve::new(vec![[x, printed::share_of_size(size)]], PRINTED, Shape::Crosses));
         if let Some(ours) = row(found, Measure::SizeShare(size)).and_then(|row| row.ours) {
-            share.curves.push(bar(x, ours.value, OURS));
+            share.curves.push(bar(x, BAR, ours.value, OURS));
             share.curves.extend(dot(x, &ours, 1.0, OURS));
         }
     }
@@ -212,7 +215,7 @@ pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: 
         figures.push(("inertial-force", "Inertial force of the load by smoothing time", svg));
     }
     if let Some(shown) = shown {
-        let runs: Vec<&RunFacts> = units.iter().filter_map(|unit| unit.of(shown.trial)).collect();
+        let runs: Vec<&RunFacts> = units.iter().filter_map(|unit| unit.of(shown.trial?)).collect();
         let series = in_grid(figure_run::transition(shown, &runs), 1, WIDTH, ROW_HEIGHT);
         let caption = "Speed, turn rate and interaction forces of one run of four ants, with their changes of mean";
         figures.push(("transition", caption, series));

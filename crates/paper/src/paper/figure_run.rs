@@ -4,9 +4,8 @@
 use std::f64::consts::TAU;
 
 use crate::paper::style::{OTHER, OURS, PRINTED};
-use crate::paper::{At, Change, Changes, RunFacts, Shown, Snapshot, WINDOW_S};
+use crate::paper::{At, Change, Changes, RunFacts, Series, Shown, Snapshot, WINDOW_S};
 use cohaul::math::{Vec2, direction};
-use cohaul::model::ant::Mode;
 use cohaul_report::chart::MILLI;
 use cohaul_report::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use cohaul_report::quantity::number;
@@ -16,15 +15,10 @@ const BEFORE: Style = Style { color: "#000000", dash: "", width: 1.6 };
 /// Speed, turn rate and interaction over time, each with its best change of mean, and the times of
 /// change of all runs.
 pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>) {
-    let (series, changes) = (&shown.series, &shown.changes);
-    let panels = vec![
-        over_time("load speed (mm/s)", &series.speed, MILLI, shown, &changes.speed),
-        over_time("turn rate (rad/s)", &series.turn_rate, 1.0, shown, &changes.turn_rate),
-        over_time("interaction forces (mN)", &series.interaction, MILLI, shown, &changes.interaction),
-        when(runs),
-    ];
+    let panels = [over_time(&shown.series, &shown.changes).to_vec(), vec![when(runs)]].concat();
+    let trial = shown.trial.map_or(String::new(), |trial| format!(", trial {}", trial.name()));
     let entries = vec![
-        Entry::line(format!("means over {} s, trial {}, seed {}", number(WINDOW_S), shown.trial.name(), shown.seed), OURS),
+        Entry::line(format!("means over {} s{trial}, seed {}", number(WINDOW_S), shown.seed), OURS),
         Entry::line("two means", BEFORE),
         Entry::upright("likeliest change", PRINTED),
         Entry::line("d: speed", OURS),
@@ -34,13 +28,22 @@ pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>)
     (panels, entries)
 }
 
-fn over_time(label: &str, values: &[f64], unit: f64, shown: &Shown, change: &Option<At<Change>>) -> Panel {
+/// Speed, turn rate and interaction over time, each with its best change of mean.
+pub(crate) fn over_time(series: &Series, changes: &Changes) -> [Panel; 3] {
+    [
+        one_over_time("load speed (mm/s)", series, &series.speed, MILLI, &changes.speed),
+        one_over_time("turn rate (rad/s)", series, &series.turn_rate, 1.0, &changes.turn_rate),
+        one_over_time("interaction forces (mN)", series, &series.interaction, MILLI, &changes.interaction),
+    ]
+}
+
+fn one_over_time(label: &str, of: &Series, values: &[f64], unit: f64, change: &Option<At<Change>>) -> Panel {
+    let start = of.start_s;
     let mut panel = Panel::new("time (s)", label, Scale::FromZero);
-    let start = shown.series.start_s;
-    let points = values.iter().enumerate().map(|(at, value)| [start + WINDOW_S * (at as f64 + 0.5), unit * value]).collect();
+    let points = values.iter().enumerate().map(|(at, value)| [start + of.window_s * (at as f64 + 0.5), unit * value]).collect();
     panel.curves.push(Curve::new(points, OURS, Shape::Graph));
     if let Some(At { time_s, change }) = change {
-        let end = start + WINDOW_S * values.len() as f64;
+        let end = start + of.window_s * values.len() as f64;
         panel.marks.push(Mark { at: Across::Vertical(*time_s), style: PRINTED });
         panel.curves.push(Curve::new(vec![[start, unit * change.mean_before], [*time_s, unit * change.mean_before]], BEFORE, Shape::Path));
         panel.curves.push(Curve::new(vec![[*time_s, unit * change.mean_after], [end, unit * change.mean_after]], BEFORE, Shape::Path));
@@ -109,8 +112,7 @@ fn view(snapshot: &Snapshot, shown: &Shown) -> Panel {
         panel.curves.push(Curve::new(vec![mm(ant.position), mm(tail)], ANT, Shape::Path));
         panel.curves.push(Curve::new(vec![mm(ant.position)], ANT, Shape::Dots));
     }
-    let n_pulling = snapshot.ants.iter().filter(|ant| matches!(ant.mode, Mode::Transport { .. })).count();
-    panel.note = Some(format!("{} s, {n_pulling} pull", number(snapshot.time)));
+    panel.note = Some(format!("{} s, {} pull", number(snapshot.time), snapshot.n_pulling));
     panel
 }
 

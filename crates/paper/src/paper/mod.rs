@@ -68,6 +68,7 @@ pub use maximum::{Extreme, largest};
 pub use measures::{Measure, PhaseSign, measures};
 pub use mixture::{Mixture, TrialShare, mixture, printed_share};
 pub use sampling::{Sample, Sampling};
+pub(crate) use shown::springs as shown_springs;
 pub use shown::{Shown, Snapshot, shown};
 pub use suite::{Answer, Plan, Replayed, Set, Task, tasks};
 pub use table::{Missed, OtherSet, TableRow, missed, table};

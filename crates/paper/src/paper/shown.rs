@@ -15,7 +15,8 @@ use cohaul::simulation::{Ants, Commands, Controller, Keep, Row, Simulation, View
 /// A run for figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    pub trial: Trial,
+    /// `None` for a scene that is none of the paper's trials.
+    pub trial: Option<Trial>,
     pub seed: u64,
     pub series: Series,
     pub changes: Changes,
@@ -36,6 +37,8 @@ pub struct Snapshot {
     /// Root and tip (m, world), and whether it is held.
     pub springs: Vec<([Vec2; 2], bool)>,
     pub ants: Vec<Ant>,
+    /// Number of ants that pull (1).
+    pub n_pulling: usize,
 }
 
 /// Instants that are shown, over the run's length (1).
@@ -58,12 +61,18 @@ pub fn shown(trial: Trial, case: &Case, seed: u64) -> Option<Shown> {
     let snapshot = |time: f64| {
         let (time, ants) = seen.iter().rev().find(|(at, _)| *at <= time).or(seen.first())?;
         let row = trace.rows.get(trace.rows.partition_point(|row| row.time < *time))?;
-        Some(Snapshot { time: *time, load: row.motion.pose, springs: springs(&scenario, row), ants: ants.clone() })
+        Some(Snapshot {
+            time: *time,
+            load: row.motion.pose,
+            springs: springs(&scenario, row),
+            ants: ants.clone(),
+            n_pulling: row.tips.len(),
+        })
     };
     let stride = (LOOK_S / scenario.control_period).round().max(1.0) as usize;
     let series = series_of(&trace, &scenario);
     Some(Shown {
-        trial,
+        trial: Some(trial),
         seed,
         changes: Changes::of(&series, seed),
         series,
@@ -75,7 +84,8 @@ pub fn shown(trial: Trial, case: &Case, seed: u64) -> Option<Shown> {
     })
 }
 
-fn springs(scenario: &Scenario, row: &Row) -> Vec<([Vec2; 2], bool)> {
+/// Root and tip (m, world) of each spring, and whether it is held.
+pub(crate) fn springs(scenario: &Scenario, row: &Row) -> Vec<([Vec2; 2], bool)> {
     let pose = &row.motion.pose;
     let of = |(at, spring): (usize, &cohaul::model::PolarSpring)| {
         let held = row.tips.iter().find(|tip| tip.spring == at);
