@@ -50,7 +50,7 @@ fn lines(seed: u64) -> String {
 
 /// Writes the lines of `COHAUL_COUNT` colonies from seed `COHAUL_SEED` on into the stored table.
 #[test]
-#[ignore = "takes ten minutes in all"]
+#[ignore = "takes two minutes"]
 fn intervals_cover_the_truth_in_fifty_colonies() {
     let number = |name: &str, default: u64| std::env::var(name).ok().map_or(default, |text| text.parse().unwrap());
     let (first, n) = (number("COHAUL_SEED", FIRST), number("COHAUL_COUNT", N));

@@ -61,7 +61,7 @@ fn another_steepness_shows_in_the_pulls_of_ants() {
         let pulls = |seed: u64| {
             let run = Truth { seed, duration: 12.0, steepness, ..Truth::random(3) }.run("hazard");
             let found = run.attachments(&run.exact());
-            found.iter().flat_map(|own| own.held.iter().map(|held| held.pull)).collect()
+            found.all.iter().flat_map(|own| own.held.iter().map(|held| held.pull)).collect()
         };
         (first..first + 8).map(|seed| vec![pulls(seed)]).collect()
     };

@@ -115,9 +115,9 @@ type Of = fn(&Measures) -> Option<f64>;
 
 /// Name, unit, function, and what the paper measured on ants and simulated.
 const QUANTITIES: [(&str, &str, Of, [Option<f64>; 2]); 9] = [
-    ("pull, mean", "N", |of| some(of.pulls.mean()), [Some(printed::MEASURED_PULL_MEAN_N), Some(printed::PULL_MEAN_N)]),
-    ("pull, standard deviation", "N", |of| some(of.pulls.sd()), [Some(printed::MEASURED_PULL_SD_N), Some(printed::PULL_SD_N)]),
-    ("pull, largest", "N", |of| some(of.pulls.max()), [None, Some(printed::PULL_MAX_N)]),
+    ("mean pull", "N", |of| some(of.pulls.mean()), [Some(printed::MEASURED_PULL_MEAN_N), Some(printed::PULL_MEAN_N)]),
+    ("sd of pulls", "N", |of| some(of.pulls.sd()), [Some(printed::MEASURED_PULL_SD_N), Some(printed::PULL_SD_N)]),
+    ("largest pull", "N", |of| some(of.pulls.max()), [None, Some(printed::PULL_MAX_N)]),
     ("pulls of at most 30 mN", "", |of| share(of.n_within_limit, of.pulls.n()), [Some(printed::MEASURED_SHARE_BELOW), None]),
     ("load speed", "m/s", |of| some(of.speed.mean()), [None; 2]),
     ("turn rate", "rad/s", |of| some(of.turn_rate.mean()), [None; 2]),
@@ -213,11 +213,11 @@ fn quantities(recorded: &Measures, runs: &[&Measures]) -> Vec<Quantity> {
 }
 
 /// Range in which a further run is expected at [`LEVEL`]: the mean and Student's t times the
-/// standard deviation times sqrt(1 + 1/n).
+/// standard deviation times sqrt(1 + 1/n). No quantity is negative.
 fn range_of_runs(runs: &Summary) -> Option<Interval> {
     let n = runs.n() as f64;
     let half = || student(LEVEL, n - 1.0) * runs.sd() * (1.0 + 1.0 / n).sqrt();
-    (runs.n() > 1).then(|| Interval { low: runs.mean() - half(), high: runs.mean() + half() })
+    (runs.n() > 1).then(|| Interval { low: (runs.mean() - half()).max(0.0), high: runs.mean() + half() })
 }
 
 fn group_speeds(recorded: &Measures, runs: &[&Measures]) -> Vec<GroupSpeed> {
@@ -281,6 +281,6 @@ fn answer(quantities: &[Quantity], n_runs: usize, plan: &Plan) -> String {
         let shown = |value: f64| if found.unit.is_empty() { short(value) } else { quantity(value, found.unit) };
         Some(format!("{} {} (fitted ants: {})", found.name, shown(found.recorded?), shown(found.fitted?)))
     };
-    let beside: Vec<String> = ["load speed", "pull, mean"].into_iter().filter_map(both).collect();
+    let beside: Vec<String> = ["load speed", "mean pull"].into_iter().filter_map(both).collect();
     format!("{within}. In {} of the recording: {}.", quantity(plan.duration_s, "s"), beside.join(", "))
 }
