@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::attachments::{Attachment, Attachments};
 use super::holds::{Bin, HoldFit, aged_exposures, exposures, fit as fit_holds};
 use super::profile::Parameter;
-use super::steering::{SteeringFit, fit as fit_steering};
+use super::steering::{LEAST_NOISE, SteeringFit, fit as fit_steering};
 use crate::calibrate::text::percent;
 use cohaul::formats::{self, Format, Versioned};
 use cohaul::math::Vec2;
@@ -122,13 +122,13 @@ impl BehaviourReport {
         if !found.has_events && self.n_releases > 0 {
             let (n, reach) = (found.n_sprung, quantity(found.reach, "m"));
             self.warnings.push(format!(
-                "no column event: {n} releases follow from tips that sprang back within a frame; a release within {reach} of the \
+                "no column event: releases by tips that sprang back within a frame: {n}; a release within {reach} of the \
                  place at rest is not seen"
             ));
         }
         if found.n_bridged > 0 {
             let n = found.n_bridged;
-            self.warnings.push(format!("{n} gaps of a few frames are bridged: the tip came back where an ant walks to"));
+            self.warnings.push(format!("bridged gaps of a few frames, after which the tip came back where an ant walks to: {n}"));
         }
         let collapsed: Vec<&str> = self.parameters().iter().filter(|(_, found)| found.is_collapsed()).map(|(name, _)| *name).collect();
         if !collapsed.is_empty() {
@@ -192,7 +192,8 @@ impl BehaviourReport {
                 line("beta", parameter(&found.steering_half_angle_rad, |value| quantity(value, "rad")));
                 line("pull speed", parameter(&found.pull_speed_m_per_s, |value| quantity(value, "m/s")));
                 let stated = if self.tip_noise_m > 0.0 { quantity(self.tip_noise_m, "m") } else { "none".to_owned() };
-                line("  check of fit", format!("residuals {} rms, stated noise {stated}", quantity(found.residual_rms_m, "m")));
+                let exact = if found.residual_rms_m < LEAST_NOISE { "; intervals are those of 1 nm of noise" } else { "" };
+                line("  check of fit", format!("residuals {} rms, stated noise {stated}{exact}", quantity(found.residual_rms_m, "m")));
             }
         }
         line("not in the table", "speed in Search, sensing range, grasp probability".to_owned());
@@ -214,7 +215,7 @@ fn parameter(found: &Parameter, shown: impl Fn(f64) -> String) -> String {
     let Some(value) = found.value else { return limits };
     match found.low.zip(found.high) {
         // More digits than are shown are known.
-        Some((low, high)) if shown(low) == shown(high) => format!("{} +- {} %", shown(value), number(percent(0.5 * (high - low) / value))),
+        Some((low, high)) if shown(low) == shown(high) => format!("{} +- {} %", shown(value), number(100.0 * 0.5 * (high - low) / value)),
         _ => format!("{}; {limits}", shown(value)),
     }
 }

@@ -45,7 +45,7 @@ const N_CHOOSING: usize = 24;
 /// Relative change of the cost of a track below which its beginning counts as found.
 const SETTLED: f64 = 1e-10;
 /// Least noise of a tip along either axis (m): no camera measures more exactly.
-const LEAST_NOISE: f64 = 1e-9;
+pub(super) const LEAST_NOISE: f64 = 1e-9;
 
 struct Paths<'a> {
     tracks: &'a [Track],
