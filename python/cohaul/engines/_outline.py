@@ -6,24 +6,60 @@ import math
 from typing import Any, Iterator, Sequence
 
 Point = Sequence[float]
+THICKNESS = 1e-4
+"""Radius of a segment that must have one, over the height of solids (1)."""
 HAS_NO_LENGTH = 1e-12
 """Twice the area of a triangle that is none, over the square of the outline's size (1)."""
 
 
-def convex_parts(outline: Sequence[dict[str, Any]], most_corners: int = 8) -> Iterator[tuple[str, Any]]:
+def convex_parts(outline: Sequence[dict[str, Any]], most_corners: int = 8, unit_m: float = 1.0) -> Iterator[tuple[str, Any]]:
     """``("disc", (centre, radius))``, ``("polygon", corners)`` and ``("segment", (from, to))``.
 
-    Polygons are convex and have at most ``most_corners``, counter-clockwise.
+    Polygons are convex and have at most ``most_corners``, counter-clockwise. Points are pairs, and
+    all lengths in units of ``unit_m`` (m).
     """
+
+    def scaled(point: Point) -> tuple[float, float]:
+        return point[0] / unit_m, point[1] / unit_m
+
     for part in outline:
         if part["kind"] == "disc":
-            yield "disc", (part["centre_m"], part["radius_m"])
+            yield "disc", (scaled(part["centre_m"]), part["radius_m"] / unit_m)
         elif part["kind"] == "polygon":
             for corners in _merged(part["corners_m"], _triangles(part["corners_m"]), most_corners):
-                yield "polygon", [part["corners_m"][at] for at in corners]
+                yield "polygon", [scaled(part["corners_m"][at]) for at in corners]
         else:
-            for pair in zip(part["points_m"], part["points_m"][1:]):
-                yield "segment", pair
+            for start, end in zip(part["points_m"], part["points_m"][1:]):
+                yield "segment", (scaled(start), scaled(end))
+
+
+def solids(outline: Sequence[dict[str, Any]], height: float, unit_m: float = 1.0) -> Iterator[tuple[str, Any, float]]:
+    """Convex parts as solids about the plane: what they are, points (x, y, z) and a radius.
+
+    A disc is a ``sphere`` about its centre, a segment a thin ``capsule`` between its ends, and a
+    polygon a ``prism`` with corners at this height (in units of ``unit_m``) above and below.
+    """
+    for kind, part in convex_parts(outline, 64, unit_m):
+        if kind == "disc":
+            yield "sphere", [*part[0], 0.0], part[1]
+        elif kind == "segment":
+            yield "capsule", [[*point, 0.0] for point in part], THICKNESS * height
+        else:
+            yield "prism", [[*point, z] for z in (-height, height) for point in part], 0.0
+
+
+def corners(outline: Sequence[dict[str, Any]], height: float, unit_m: float = 1.0) -> Iterator[tuple[str, Any, float]]:
+    """Corners and ends of an outline alone, as ``solids`` has them: spikes within polygons, and spheres."""
+    for kind, points, radius in solids(outline, height, unit_m):
+        if kind == "capsule":
+            yield from (("sphere", end, radius) for end in points)
+        elif kind == "prism":
+            base = [[x, y] for x, y, _ in points[: len(points) // 2]]
+            middle = [sum(values) / len(base) for values in zip(*base)]
+            for at, corner in enumerate(base):
+                # Nearly at the middle, a tenth of the way to the corners on both sides.
+                sides = [[0.9 * m + 0.1 * value for m, value in zip(middle, base[beside % len(base)])] for beside in (at - 1, at + 1)]
+                yield "prism", [[*point, z] for z in (-height, height) for point in (corner, *sides)], 0.0
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any
 
 import pymunk
 
-from ._outline import convex_parts
-from ._planar import Planar
+from ._bodies import Bodies
+from ._planar import contact
 
 
-class Pymunk(Planar):
+class Pymunk(Bodies):
     """pymunk with settings for millimetres and small steps."""
 
     name, version = "pymunk", pymunk.version
+    joint: Any = pymunk.PivotJoint
+    turn: Any = None
+    """What is done to a joint before each step, if anything."""
 
     def start(self, scene: dict[str, Any], longest_step_s: float) -> None:
         self.keep(scene)
@@ -21,24 +24,29 @@ class Pymunk(Planar):
         self.set_up(1e-4 * scene["radius_m"])
         self.load = pymunk.Body(scene["mass_kg"], scene["inertia_kg_m2"])
         self.obstacles = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in scene["obstacles"]]
-        for body, has in zip([self.load, *self.obstacles], [scene, *scene["obstacles"]]):
-            body.position, body.angle = tuple(has["pose"][:2]), has["pose"][2]
-            # Chipmunk multiplies the coefficients of both sides: those of the load are 1.
-            pair = has.get("friction_coefficient", 1.0), has.get("restitution", 1.0)
-            self.space.add(body, *(_shape(body, kind, part, pair) for kind, part in convex_parts(has["outline"])))
-        self.load.velocity, self.load.angular_velocity = tuple(scene["twist"][:2]), scene["twist"][2]
+        self.space.add(self.load, *self.obstacles)
+        self.place(scene)
+        self.set_twist(self.load, scene["twist"])
         self.load.velocity_func = self.push
-        self.grip(scene["supports"])
+        for support in scene["supports"]:
+            joint = self.joint(self.space.static_body, self.load, (0.0, 0.0), tuple(support["offset_m"]))
+            joint.max_bias, joint.max_force = 0.0, support["slip_limit_n"]
+            joint.pre_solve = self.turn
+            self.space.add(joint)
 
     def set_up(self, slop: float) -> None:
         # By default overlaps up to 0.1 m are left, and 94 % of the rest after 10 ms.
         self.space.iterations, self.space.collision_slop, self.space.collision_bias = 50, slop, 1e-100
 
-    def grip(self, supports: Sequence[dict[str, Any]]) -> None:
-        for support in supports:
-            joint = pymunk.PivotJoint(self.space.static_body, self.load, (0.0, 0.0), tuple(support["offset_m"]))
-            joint.max_bias, joint.max_force = 0.0, support["slip_limit_n"]
-            self.space.add(joint)
+    def add_shape(self, body: pymunk.Body, kind: str, part: Any, has: dict[str, Any]) -> None:
+        shape: pymunk.Shape
+        if kind == "disc":
+            shape = pymunk.Circle(body, part[1], part[0])
+        else:
+            shape = pymunk.Poly(body, part) if kind == "polygon" else pymunk.Segment(body, part[0], part[1], 0.0)
+        # Chipmunk multiplies the coefficients of both sides: those of the load are 1.
+        shape.friction, shape.elasticity = has.get("friction_coefficient", 1.0), has.get("restitution", 1.0)
+        self.space.add(shape)
 
     def push(self, load: pymunk.Body, gravity: Any, damping: float, h: float) -> None:
         # Chipmunk moves bodies before it changes velocities. A force that is set before the step
@@ -47,37 +55,23 @@ class Pymunk(Planar):
 
     def pushed(self, h: float) -> tuple[pymunk.Vec2d, float]:
         """Velocity and turn rate under the springs alone."""
-        fx, fy, torque = self.wrench(self.load_pose(), self.load_twist(), self.share)
+        fx, fy, torque = self.pull()
         velocity = self.load.velocity + (h * fx / self.load.mass, h * fy / self.load.mass)
         return velocity, self.load.angular_velocity + h * torque / self.load.moment
 
-    def step(self, h: float, share: float) -> None:
-        self.share = share
+    def step(self, h: float) -> None:
         self.space.step(h)
-
-    def load_pose(self) -> list[float]:
-        return [*self.load.position, self.load.angle]
-
-    def load_twist(self) -> list[float]:
-        return [*self.load.velocity, self.load.angular_velocity]
-
-    def obstacle_poses(self) -> list[list[float]]:
-        return [[*body.position, body.angle] for body in self.obstacles]
-
-    def move_obstacle(self, at: int, twist: list[float]) -> None:
-        self.obstacles[at].velocity, self.obstacles[at].angular_velocity = (twist[0], twist[1]), twist[2]
 
     def contacts(self, h: float) -> list[dict[str, Any]]:
         found: list[dict[str, Any]] = []
-        self.load.each_arbiter(lambda arbiter: found.append(self.contact(arbiter, h)))
+        self.load.each_arbiter(lambda arbiter: found.append(self.touch(arbiter, h)))
         return found
 
-    def contact(self, arbiter: pymunk.Arbiter, h: float) -> dict[str, Any]:
+    def touch(self, arbiter: pymunk.Arbiter, h: float) -> dict[str, Any]:
         obstacle = next(at for at, body in enumerate(self.obstacles) if body in [shape.body for shape in arbiter.shapes])
         # Chipmunk states one impulse for up to two points.
         points = [point.point_a for point in arbiter.contact_point_set.points]
-        middle = [sum(point[axis] for point in points) / len(points) for axis in (0, 1)]
-        return {"obstacle": obstacle, "point_m": middle, "force_n": [impulse / h for impulse in arbiter.total_impulse]}
+        return contact(obstacle, points, [impulse / h for impulse in arbiter.total_impulse])
 
 
 class PymunkDefaults(Pymunk):
@@ -98,27 +92,10 @@ class PymunkAlongSlip(Pymunk):
     """
 
     name = "pymunk (friction along the slip)"
-
-    def grip(self, supports: Sequence[dict[str, Any]]) -> None:
-        for support in supports:
-            joint = pymunk.PinJoint(self.space.static_body, self.load, (0.0, 0.0), tuple(support["offset_m"]))
-            joint.max_bias, joint.max_force, joint.pre_solve = 0.0, support["slip_limit_n"], self.turn
-            self.space.add(joint)
+    joint = pymunk.PinJoint
 
     def turn(self, joint: Any, space: pymunk.Space) -> None:
         arm = joint.anchor_b.rotated(self.load.angle)
         velocity, turn_rate = self.pushed(space.current_time_step)
         slip = velocity + turn_rate * arm.perpendicular()
         joint.anchor_a = self.load.position + arm + (slip.normalized() if slip else pymunk.Vec2d(1.0, 0.0))
-
-
-def _shape(body: pymunk.Body, kind: str, part: Any, pair: tuple[float, float]) -> pymunk.Shape:
-    shape: pymunk.Shape
-    if kind == "disc":
-        shape = pymunk.Circle(body, part[1], tuple(part[0]))
-    elif kind == "polygon":
-        shape = pymunk.Poly(body, [tuple(corner) for corner in part])
-    else:
-        shape = pymunk.Segment(body, tuple(part[0]), tuple(part[1]), 0.0)
-    shape.friction, shape.elasticity = pair
-    return shape
