@@ -65,5 +65,5 @@ class Feet(Planar):
             obstacle = max(first, second) - 2 - len(self.press)
             if min(first, second) == 1 and obstacle >= 0:
                 on_load = (force if second == 1 else -force) * self.mass * self.length
-                found.append(contact(obstacle, [point * self.length], on_load[:2].tolist()))
+                found.append(contact(obstacle, [(point * self.length).tolist()], on_load[:2].tolist()))
         return found

@@ -6,8 +6,6 @@ import math
 from typing import Any, Iterator, Sequence
 
 Point = Sequence[float]
-THICKNESS = 1e-4
-"""Radius of a segment that must have one, over the height of solids (1)."""
 HAS_NO_LENGTH = 1e-12
 """Twice the area of a triangle that is none, over the square of the outline's size (1)."""
 
@@ -33,24 +31,25 @@ def convex_parts(outline: Sequence[dict[str, Any]], most_corners: int = 8, unit_
                 yield "segment", (scaled(start), scaled(end))
 
 
-def solids(outline: Sequence[dict[str, Any]], height: float, unit_m: float = 1.0) -> Iterator[tuple[str, Any, float]]:
+def solids(outline: Sequence[dict[str, Any]], height: float, thin: float, unit_m: float = 1.0) -> Iterator[tuple[str, Any, float]]:
     """Convex parts as solids about the plane: what they are, points (x, y, z) and a radius.
 
-    A disc is a ``sphere`` about its centre, a segment a thin ``capsule`` between its ends, and a
-    polygon a ``prism`` with corners at this height (in units of ``unit_m``) above and below.
+    A disc is a ``sphere`` about its centre, a segment a ``capsule`` between its ends, as ``thin`` as
+    a radius may be, and a polygon a ``prism`` with corners at a height above and below. All lengths
+    are in units of ``unit_m`` (m).
     """
     for kind, part in convex_parts(outline, 64, unit_m):
         if kind == "disc":
             yield "sphere", [*part[0], 0.0], part[1]
         elif kind == "segment":
-            yield "capsule", [[*point, 0.0] for point in part], THICKNESS * height
+            yield "capsule", [[*point, 0.0] for point in part], thin
         else:
             yield "prism", [[*point, z] for z in (-height, height) for point in part], 0.0
 
 
-def corners(outline: Sequence[dict[str, Any]], height: float, unit_m: float = 1.0) -> Iterator[tuple[str, Any, float]]:
+def corners(outline: Sequence[dict[str, Any]], height: float, thin: float, unit_m: float = 1.0) -> Iterator[tuple[str, Any, float]]:
     """Corners and ends of an outline alone, as ``solids`` has them: spikes within polygons, and spheres."""
-    for kind, points, radius in solids(outline, height, unit_m):
+    for kind, points, radius in solids(outline, height, thin, unit_m):
         if kind == "capsule":
             yield from (("sphere", end, radius) for end in points)
         elif kind == "prism":

@@ -17,6 +17,8 @@ from ._outline import corners, solids
 
 ABOVE_THE_FEET = 10.0
 """Height at which load and obstacles touch, in radii of a foot (1)."""
+THIN = 1e-6
+"""Radius of a segment, in that of a foot: what lies on it is in it by as much (1)."""
 MOST_FRICTION = 1e3
 """Coefficient of the load's sides: that of an obstacle follows, which makes up its pair's (1)."""
 
@@ -37,13 +39,14 @@ def surface(friction: float, stiffness: float | None) -> Any:
     return properties
 
 
-def add_feet(plant: Any, load: Any, offsets: Sequence[Any], inertia: float, sole: Any) -> None:
-    """Feet that move up and down in the load, with an inertia of that motion, and the ground."""
+def add_feet(plant: Any, load: Any, supports: Sequence[dict[str, Any]], length: float, inertia: float, sole: Any) -> None:
+    """The ground, and feet that move up and down in the load, with an inertia of that motion."""
     # A box: Drake logs a warning about half spaces, and its log may wait for Python's lock
     # without end while another run holds it.
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform([0, 0, -2]), Box(1e5, 1e5, 2), "ground", sole)
-    for at, offset in enumerate(offsets):
+    for at, support in enumerate(supports):
         # A foot has next to no mass in the plane.
+        offset = np.array([*support["offset_m"], 0.0]) / length
         foot = plant.AddRigidBody(f"foot {at}", _inertia(1e-6, 1e-6))
         root = plant.AddFrame(FixedOffsetFrame(f"root {at}", load.body_frame(), RigidTransform(offset)))
         leg = plant.AddJoint(PrismaticJoint(f"leg {at}", root, foot.body_frame(), [0, 0, 1]))
@@ -51,7 +54,9 @@ def add_feet(plant: Any, load: Any, offsets: Sequence[Any], inertia: float, sole
         plant.RegisterCollisionGeometry(foot, RigidTransform(), Sphere(1.0), f"foot {at}", sole)
 
 
-def add_sides(plant: Any, graph: Any, bodies: Sequence[Any], scenes: Sequence[dict[str, Any]], length: float, stiffness: float | None) -> None:
+def add_sides(
+    plant: Any, graph: Any, bodies: Sequence[Any], scenes: Sequence[dict[str, Any]], length: float, stiffness: float | None
+) -> None:
     """Gives the load, which is the first of ``bodies``, and obstacles the outlines of ``scenes``.
 
     Drake finds one point where two solids touch, which leaps between the corners of a side that lies
@@ -62,9 +67,9 @@ def add_sides(plant: Any, graph: Any, bodies: Sequence[Any], scenes: Sequence[di
         mu = has.get("friction_coefficient")
         # Drake takes the harmonic mean of two coefficients.
         side = surface(MOST_FRICTION if mu is None else MOST_FRICTION * mu / (2.0 * MOST_FRICTION - mu), stiffness)
-        added = [_add_solid(plant, body, side, *solid) for solid in solids(has["outline"], 1.0, length)]
+        added = [_add_solid(plant, body, side, *solid) for solid in solids(has["outline"], 1.0, THIN, length)]
         faces.append([geometry for kind, geometry in added if kind != "sphere"])
-        for solid in corners(has["outline"], 1.0, length):
+        for solid in corners(has["outline"], 1.0, THIN, length):
             _add_solid(plant, body, side, *solid)
     filters = CollisionFilterDeclaration().ExcludeWithin(plant.CollectRegisteredGeometries(bodies[1:]))
     filters.ExcludeBetween(GeometrySet(faces[0]), GeometrySet(sum(faces[1:], [])))

@@ -60,7 +60,8 @@ class Box2D(Bodies):
 
     def contacts(self, h: float) -> list[dict[str, Any]]:
         unit = self.mass * self.length / h
-        return [contact(at, [[x * self.length for x in point]], [j * unit for j in impulse]) for at, point, impulse in self.impulses.found]
+        found = self.impulses.found
+        return [contact(at, [[x * self.length for x in point]], [j * unit for j in impulse]) for at, point, impulse in found]
 
 
 class Box2DDefaults(Box2D):

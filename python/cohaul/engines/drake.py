@@ -22,22 +22,23 @@ FAR = 1e4
 class Drake(Feet):
     """Drake with the SAP solver and stiff contacts.
 
-    Without obstacles SAP's own approximation of friction holds best what should not creep. It lifts
-    what slides, by its friction and its step: a load leaps along an obstacle. Beside obstacles
-    friction follows the normal force of the step before.
+    SAP's own approximation of friction lifts what slides, by its friction and its step: a load would
+    leap along an obstacle. Beside obstacles friction follows the normal force of the step before,
+    and feet are softer, without which the solver misses the smaller forces of obstacles.
     """
 
     name, version = "Drake", version("drake")
-    approximation, beside_obstacles = DiscreteContactApproximation.kSap, DiscreteContactApproximation.kLagged
+    approximation: Any = DiscreteContactApproximation.kSap
     stiffness: float | None = 1e8
-    sticking: float | None = 1e-6
-    """Slip velocity at which lagged friction is full, in radii of the load (1/s)."""
-    foot_friction, heavy = 1e-3, 1e6
+    beside_obstacles: tuple[Any, float | None] = DiscreteContactApproximation.kLagged, 1e6
+    foot_friction, heavy = 1e-3, 1e5
 
     def units(self, scene: dict[str, Any]) -> tuple[float, float]:
         return scene["radius_m"], scene["mass_kg"]  # Drake's solver fails at grams and millimetres.
 
     def build(self, scene: dict[str, Any], longest_step_s: float) -> None:
+        if scene["obstacles"]:
+            self.approximation, self.stiffness = self.beside_obstacles
         self.bodies, self.inertia = [scene, *scene["obstacles"]], scene["inertia_kg_m2"] / self.mass / self.length**2
         # Feet that are pressed more have more inertia and stiffness: they would fall through the ground.
         self.firmness = max([1.0, *(-self.press / MOST_PRESSED)])
@@ -53,18 +54,16 @@ class Drake(Feet):
         builder = DiagramBuilder()
         plant, graph = AddMultibodyPlantSceneGraph(builder, h)
         plant.SetUseSampledOutputPorts(False)
-        plant.set_discrete_contact_approximation(self.beside_obstacles if len(self.bodies) > 1 else self.approximation)
-        if self.sticking is not None:
-            plant.set_stiction_tolerance(self.sticking)
+        plant.set_discrete_contact_approximation(self.approximation)
         # Drake softens stiff contacts by the mass in the plane, so that light loads would sink in.
         plant.set_sap_near_rigid_threshold(0.0)
         plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
         load = planar_body(plant, "load", 1.0, self.inertia)
         sole = surface(self.foot_friction, self.stiffness and self.firmness * self.stiffness)
-        offsets = [np.array([*support["offset_m"], 0.0]) / self.length for support in self.supports]
-        add_feet(plant, load, offsets, self.firmness, sole)
+        add_feet(plant, load, self.supports, self.length, self.firmness, sole)
         obstacles = [planar_body(plant, f"obstacle {at}", self.heavy, self.heavy * self.inertia) for at in range(len(self.bodies) - 1)]
-        add_sides(plant, graph, [load, *obstacles], self.bodies, self.length, self.stiffness)
+        # What hits an obstacle is in it by a step at its speed. Sides stiffer than this rub more there than they push.
+        add_sides(plant, graph, [load, *obstacles], self.bodies, self.length, self.stiffness and 1.0 / h**2)
         plant.Finalize()
         diagram = builder.Build()
         context = diagram.CreateDefaultContext()
@@ -98,4 +97,5 @@ class DrakeDefaults(Drake):
     """Drake with its own settings: friction by the normal force of the step before."""
 
     name = "Drake (defaults)"
-    approximation, stiffness, sticking, foot_friction = DiscreteContactApproximation.kLagged, None, None, 1.0
+    approximation, stiffness, foot_friction = DiscreteContactApproximation.kLagged, None, 1.0
+    beside_obstacles = approximation, stiffness

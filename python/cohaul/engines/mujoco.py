@@ -58,7 +58,7 @@ class MuJoCo(Feet):
         body = spec.worldbody.add_body(mass=weight * self.masses[0], inertia=[weight * self.masses[2]] * 3, explicitinertial=True)
         for joint, axis in ((mjtJoint.mjJNT_SLIDE, [1, 0, 0]), (mjtJoint.mjJNT_SLIDE, [0, 1, 0]), (mjtJoint.mjJNT_HINGE, [0, 0, 1])):
             body.add_joint(type=joint, axis=axis)
-        for solid in solids(has["outline"], self.height):
+        for solid in solids(has["outline"], self.height, 1e-4 * self.height):
             body.add_geom(**self.shape(spec, *solid), **pair, **self.sides)
         return body
 
