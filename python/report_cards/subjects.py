@@ -40,8 +40,9 @@ SETTINGS = {
     "Box2D": "The same joints. The load has a radius of 10 units and a mass of 1; 50 and 20 iterations.",
     "MuJoCoDefaults": "Pressed feet, pyramidal cones, impratio 1, `solref` of 20 ms.",
     "MuJoCo": "Pressed feet, elliptic cones, impratio 1e6, `solref` of two steps for feet and five for obstacles, 200 iterations.",
-    "DrakeDefaults": "Pressed feet, the lagged approximation, Drake's own contact stiffness.",
-    "Drake": "Pressed feet, the SAP approximation, contact stiffness 1e8, relaxation time 0, near-rigid threshold 0.",
+    "DrakeDefaults": "Pressed feet, the lagged approximation, Drake's own contact stiffness. Corners touch as solids of their own.",
+    "Drake": "Pressed feet, the SAP approximation, contact stiffness 1e8, relaxation time 0, near-rigid threshold 0. "
+    "Beside obstacles the lagged approximation, feet of 1e6, sides of four times the mass over the step squared.",
 }
 
 
@@ -145,19 +146,18 @@ def _varied(make: Any, name: str, **changed: Any) -> Make:
 
 
 def _elliptic(self: Any, option: Any, h: float) -> None:
-    option.cone, self.feet, self.sides = 1, {}, {}
+    option.cone, self.soles, self.sides = 1, {}, {}
 
 
 def _hard_friction(self: Any, option: Any, h: float) -> None:
-    option.cone, option.impratio, self.feet, self.sides = 1, 1e6, {}, {}
+    option.cone, option.impratio, self.soles, self.sides = 1, 1e6, {}, {}
 
 
 def _forced_before(make: Any) -> Make:
     """pymunk with forces that are set before the step."""
 
-    def step(self: Any, h: float, share: float) -> None:
-        self.share = share
-        fx, fy, torque = self.wrench(self.load_pose(), self.load_twist(), share)
+    def step(self: Any, h: float) -> None:
+        fx, fy, torque = self.pull()
         self.load.velocity_func = type(self.load).update_velocity
         self.load.force, self.load.torque = (fx, fy), torque
         self.space.step(h)

@@ -35,7 +35,7 @@ class Feet(Planar):
 
     def start(self, scene: dict[str, Any], longest_step_s: float) -> None:
         if any(obstacle["restitution"] > 0.0 for obstacle in scene["obstacles"]):
-            raise NotImplementedError(f"restitution: {self.name} has no coefficient of restitution")
+            raise NotImplementedError(f"restitution: {self.name.split()[0]} has no coefficient of restitution")
         self.keep(scene)
         self.scale = np.array([self.length, self.length, 1.0])
         self.supports = [support for support in scene["supports"] if support["slip_limit_n"] > 0.0]

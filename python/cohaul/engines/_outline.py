@@ -57,7 +57,7 @@ def corners(outline: Sequence[dict[str, Any]], height: float, thin: float, unit_
             middle = [sum(values) / len(base) for values in zip(*base)]
             for at, corner in enumerate(base):
                 # Nearly at the middle, a tenth of the way to the corners on both sides.
-                sides = [[0.9 * m + 0.1 * value for m, value in zip(middle, base[beside % len(base)])] for beside in (at - 1, at + 1)]
+                sides = [[0.9 * m + 0.1 * value for m, value in zip(middle, base[beside % len(base)])] for beside in (at + 1, at - 1)]
                 yield "prism", [[*point, z] for z in (-height, height) for point in (corner, *sides)], 0.0
 
 

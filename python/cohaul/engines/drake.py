@@ -32,6 +32,7 @@ class Drake(Feet):
     stiffness: float | None = 1e8
     beside_obstacles: tuple[Any, float | None] = DiscreteContactApproximation.kLagged, 1e6
     foot_friction, heavy = 1e-3, 1e5
+    """The solver ends by the largest momentum: that of heavier obstacles hides the load's."""
 
     def units(self, scene: dict[str, Any]) -> tuple[float, float]:
         return scene["radius_m"], scene["mass_kg"]  # Drake's solver fails at grams and millimetres.
@@ -63,7 +64,7 @@ class Drake(Feet):
         add_feet(plant, load, self.supports, self.length, self.firmness, sole)
         obstacles = [planar_body(plant, f"obstacle {at}", self.heavy, self.heavy * self.inertia) for at in range(len(self.bodies) - 1)]
         # What hits an obstacle is in it by a step at its speed. Sides stiffer than this rub more there than they push.
-        add_sides(plant, graph, [load, *obstacles], self.bodies, self.length, self.stiffness and 1.0 / h**2)
+        add_sides(plant, graph, [load, *obstacles], self.bodies, self.length, self.stiffness and 4.0 / h**2)
         plant.Finalize()
         diagram = builder.Build()
         context = diagram.CreateDefaultContext()

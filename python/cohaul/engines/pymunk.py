@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Sequence
 
 import pymunk
 
@@ -28,7 +28,10 @@ class Pymunk(Bodies):
         self.place(scene)
         self.set_twist(self.load, scene["twist"])
         self.load.velocity_func = self.push
-        for support in scene["supports"]:
+        self.grip(scene["supports"])
+
+    def grip(self, supports: Sequence[dict[str, Any]]) -> None:
+        for support in supports:
             joint = self.joint(self.space.static_body, self.load, (0.0, 0.0), tuple(support["offset_m"]))
             joint.max_bias, joint.max_force = 0.0, support["slip_limit_n"]
             joint.pre_solve = self.turn
