@@ -42,7 +42,7 @@ SETTINGS = {
     "MuJoCo": "Pressed feet, elliptic cones, impratio 1e6, `solref` of two steps for feet and five for obstacles, 200 iterations.",
     "DrakeDefaults": "Pressed feet, the lagged approximation, Drake's own contact stiffness. Corners touch as solids of their own.",
     "Drake": "Pressed feet, the SAP approximation, contact stiffness 1e8, relaxation time 0, near-rigid threshold 0. "
-    "Beside obstacles the lagged approximation, feet of 1e6, sides of four times the mass over the step squared.",
+    "Beside obstacles the lagged approximation, feet of 1e6 and friction 1, sides of four times the mass over the step squared.",
 }
 
 

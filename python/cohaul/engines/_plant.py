@@ -39,8 +39,14 @@ def surface(friction: float, stiffness: float | None) -> Any:
     return properties
 
 
-def add_feet(plant: Any, load: Any, supports: Sequence[dict[str, Any]], length: float, inertia: float, sole: Any) -> None:
-    """The ground, and feet that move up and down in the load, with an inertia of that motion."""
+def add_feet(
+    plant: Any, load: Any, supports: Sequence[dict[str, Any]], length: float, friction: float, stiffness: float | None, firmness: float
+) -> None:
+    """The ground, and feet that move up and down in the load, with an inertia of ``firmness``.
+
+    Their surfaces are as many times stiffer.
+    """
+    sole = surface(friction, stiffness and firmness * stiffness)
     # A box: Drake logs a warning about half spaces, and its log may wait for Python's lock
     # without end while another run holds it.
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform([0, 0, -2]), Box(1e5, 1e5, 2), "ground", sole)
@@ -50,7 +56,7 @@ def add_feet(plant: Any, load: Any, supports: Sequence[dict[str, Any]], length: 
         foot = plant.AddRigidBody(f"foot {at}", _inertia(1e-6, 1e-6))
         root = plant.AddFrame(FixedOffsetFrame(f"root {at}", load.body_frame(), RigidTransform(offset)))
         leg = plant.AddJoint(PrismaticJoint(f"leg {at}", root, foot.body_frame(), [0, 0, 1]))
-        plant.AddJointActuator(f"motor {at}", leg).set_default_rotor_inertia(inertia)
+        plant.AddJointActuator(f"motor {at}", leg).set_default_rotor_inertia(firmness)
         plant.RegisterCollisionGeometry(foot, RigidTransform(), Sphere(1.0), f"foot {at}", sole)
 
 

@@ -10,9 +10,8 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, DiscreteContact
 from pydrake.systems.framework import DiagramBuilder
 
 from ._feet import Feet
-from ._plant import add_feet, add_sides, planar_body, surface
+from ._plant import add_feet, add_sides, planar_body
 
-SETTLING_STEPS = 100
 MOST_PRESSED = 4e5
 """Force on a foot of usual inertia, in units of the load's mass and radius and of seconds (1)."""
 FAR = 1e4
@@ -24,22 +23,25 @@ class Drake(Feet):
 
     SAP's own approximation of friction lifts what slides, by its friction and its step: a load would
     leap along an obstacle. Beside obstacles friction follows the normal force of the step before,
-    and feet are softer, without which the solver misses the smaller forces of obstacles.
+    and feet are softer and pressed less, without which the solver misses the forces of obstacles.
     """
 
     name, version = "Drake", version("drake")
     approximation: Any = DiscreteContactApproximation.kSap
     stiffness: float | None = 1e8
-    beside_obstacles: tuple[Any, float | None] = DiscreteContactApproximation.kLagged, 1e6
+    beside_obstacles: tuple[Any, float | None, float] = DiscreteContactApproximation.kLagged, 1e6, 1.0
     foot_friction, heavy = 1e-3, 1e5
     """The solver ends by the largest momentum: that of heavier obstacles hides the load's."""
 
     def units(self, scene: dict[str, Any]) -> tuple[float, float]:
         return scene["radius_m"], scene["mass_kg"]  # Drake's solver fails at grams and millimetres.
 
-    def build(self, scene: dict[str, Any], longest_step_s: float) -> None:
+    def start(self, scene: dict[str, Any], longest_step_s: float) -> None:
         if scene["obstacles"]:
-            self.approximation, self.stiffness = self.beside_obstacles
+            self.approximation, self.stiffness, self.foot_friction = self.beside_obstacles
+        super().start(scene, longest_step_s)
+
+    def build(self, scene: dict[str, Any], longest_step_s: float) -> None:
         self.bodies, self.inertia = [scene, *scene["obstacles"]], scene["inertia_kg_m2"] / self.mass / self.length**2
         # Feet that are pressed more have more inertia and stiffness: they would fall through the ground.
         self.firmness = max([1.0, *(-self.press / MOST_PRESSED)])
@@ -47,7 +49,7 @@ class Drake(Feet):
         self.q[self.others] = FAR
         self.plants: dict[float, Any] = {}
         # The feet settle: lagged friction is that of a foot that was pressed before.
-        for _ in range(SETTLING_STEPS):
+        for _ in range(100):
             self.moved(longest_step_s, np.zeros(3))
 
     def built(self, h: float) -> Any:
@@ -60,8 +62,7 @@ class Drake(Feet):
         plant.set_sap_near_rigid_threshold(0.0)
         plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
         load = planar_body(plant, "load", 1.0, self.inertia)
-        sole = surface(self.foot_friction, self.stiffness and self.firmness * self.stiffness)
-        add_feet(plant, load, self.supports, self.length, self.firmness, sole)
+        add_feet(plant, load, self.supports, self.length, self.foot_friction, self.stiffness, self.firmness)
         obstacles = [planar_body(plant, f"obstacle {at}", self.heavy, self.heavy * self.inertia) for at in range(len(self.bodies) - 1)]
         # What hits an obstacle is in it by a step at its speed. Sides stiffer than this rub more there than they push.
         add_sides(plant, graph, [load, *obstacles], self.bodies, self.length, self.stiffness and 4.0 / h**2)
@@ -99,4 +100,4 @@ class DrakeDefaults(Drake):
 
     name = "Drake (defaults)"
     approximation, stiffness, foot_friction = DiscreteContactApproximation.kLagged, None, 1.0
-    beside_obstacles = approximation, stiffness
+    beside_obstacles = approximation, stiffness, foot_friction
