@@ -111,7 +111,7 @@ fn ground(draws: &mut Draws, size: f64) -> Ground {
     let support = |k: usize| {
         let angle = turn + TAU * k as f64 / n as f64;
         let offset = 0.6 * size * draws.between(0.5, 1.0) * direction(angle);
-        SupportPoint { offset, normal_load: weight / n as f64 * draws.between(0.3, 1.0) }
+        SupportPoint { offset, normal_load: weight / n as f64 * draws.between(0.3, 1.0), friction_coefficient: None }
     };
     Ground { friction_coefficient, supports: (0..n).map(support).collect() }
 }
@@ -643,7 +643,11 @@ fn slides_that_are_not_stable_are_not_taken() {
 /// centre, friction of 21.9744 mN on three supports at two thirds of the radius.
 fn tripod(tip: Vec2, rows: Vec<ContactRow>) -> Step {
     let offset = |degrees: f64| 2.0 / 3.0 * 12.2 * direction(degrees.to_radians());
-    let supports = [90.0, 210.0, 330.0].map(|degrees| SupportPoint { offset: offset(degrees), normal_load: 1.6 * 9.81 / 3.0 });
+    let supports = [90.0, 210.0, 330.0].map(|degrees| SupportPoint {
+        offset: offset(degrees),
+        normal_load: 1.6 * 9.81 / 3.0,
+        friction_coefficient: None,
+    });
     let stiffness = 0.664;
     Step {
         ground: Ground { friction_coefficient: 1.4, supports: supports.to_vec() },
@@ -705,7 +709,11 @@ fn a_box_that_can_slide_does_not_rest() {
 #[test]
 fn a_load_at_its_limit_turns_about_a_corner_whatever_rounding_says() {
     let angle = |k: usize| 0.5 * PI + TAU * k as f64 / 3.0;
-    let support = |k: usize| SupportPoint { offset: 0.0244 / 3.0 * direction(angle(k)), normal_load: 0.0016 * 9.81 / 3.0 };
+    let support = |k: usize| SupportPoint {
+        offset: 0.0244 / 3.0 * direction(angle(k)),
+        normal_load: 0.0016 * 9.81 / 3.0,
+        friction_coefficient: None,
+    };
     let ground = Ground { friction_coefficient: 1.4, supports: (0..3).map(support).collect() };
     #[rustfmt::skip]
     let hessian = Mat3::new(

@@ -77,6 +77,7 @@ fn ground(draws: &mut Draws, n: usize) -> Ground {
         .map(|_| SupportPoint {
             offset: LENGTH * draws.log_between(0.3, 1.5) * draws.direction(),
             normal_load: FORCE / n as f64 * draws.between(0.3, 1.7),
+            friction_coefficient: None,
         })
         .collect();
     Ground { friction_coefficient: 1.0, supports }
@@ -282,7 +283,8 @@ fn one_support_anywhere_sticks_or_slips_as_built() {
     for trial in 0..12_000 {
         let distance = if trial % 7 == 0 { 0.0 } else { draws.log_between(1e-15, 1e3) };
         let offset = distance * draws.direction();
-        let ground = Ground { friction_coefficient: 1.0, supports: vec![SupportPoint { offset, normal_load: FORCE }] };
+        let ground =
+            Ground { friction_coefficient: 1.0, supports: vec![SupportPoint { offset, normal_load: FORCE, friction_coefficient: None }] };
         let hessian = hessian_of_some_kind(trial, &mut draws);
         let [turn, speed] = [draws.log_between(1e-6, 1.0) * draws.vector().x.signum(), LENGTH * draws.log_between(1e-9, 1.0)];
         let sticks = trial % 2 == 0;
@@ -331,6 +333,7 @@ fn supports_close_together_are_solved_like_others() {
         let supports = (0..n).map(|_| SupportPoint {
             offset: centre + extent * Vec2::new(draws.between(-1.0, 1.0), across * draws.between(-1.0, 1.0)),
             normal_load: FORCE / n as f64 * draws.between(0.3, 1.7),
+            friction_coefficient: None,
         });
         let ground = Ground { friction_coefficient: 1.0, supports: supports.collect() };
         let hessian = hessian_of_some_kind(trial, &mut draws);

@@ -340,6 +340,51 @@ fn a_world_survives_expansion() {
     assert!(["obstacles", "side", "restitution", "outline"].iter().all(|key| !expansion.contains(key)), "{expansion}");
 }
 
+/// A support's own coefficient replaces that of the ground, and its slip limit is that of a support
+/// with the same product of coefficient and normal load.
+#[test]
+fn a_support_may_have_its_own_friction() {
+    let load = json!({ "mass_kg": 2, "radius_m": 0.4 });
+    let support = |x: f64, load: f64, friction: Option<f64>| match friction {
+        Some(friction) => json!({ "offset_m": [x, 0.1], "normal_load_n": load, "friction_coefficient": friction }),
+        None => json!({ "offset_m": [x, 0.1], "normal_load_n": load }),
+    };
+    let own = json!([support(-0.2, 10.0, Some(0.25)), support(0.2, 10.0, None), support(0.1, 5.0, Some(0.0))]);
+    let scenario = of_load(load.clone(), own, json!([])).unwrap();
+    let ground = &scenario.system.ground;
+    let limits: Vec<f64> = ground.slip_limits().collect();
+    assert_eq!(limits, [2.5, 10.0 * ground.friction_coefficient, 0.0]);
+    let expansion = serde_json::to_string(&scenario.expanded()).unwrap();
+    assert_eq!(Scenario::parse(&expansion, "expansion").unwrap(), scenario);
+    let error = of_load(load, json!([support(0.0, 1.0, Some(-0.1))]), json!([])).unwrap_err().to_string();
+    assert!(
+        error.contains("ground.supports[0].friction_coefficient: must be zero or positive, found -0.1")
+            || error.contains("ground.supports[0].friction_coefficient"),
+        "{error}"
+    );
+}
+
+/// The number of supports of a uniform pressure follows from a tolerance of friction.
+#[test]
+fn a_uniform_pressure_takes_a_number_or_a_tolerance() {
+    let of = |uniform: Value| {
+        let load = json!({ "mass_kg": 2, "outline": { "rectangle": { "size_m": [0.4, 0.4] } } });
+        of_load(load, json!({ "uniform": uniform }), json!([]))
+            .map(|scenario| scenario.system.ground.supports.len())
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(of(json!({ "tolerance": 0.02 })).unwrap(), 100);
+    assert_eq!(of(json!({ "n": 100 })).unwrap(), 100);
+    for (uniform, fault) in [
+        (json!({}), "ground.supports.uniform: must have n or tolerance, found neither"),
+        (json!({ "n": 16, "tolerance": 0.1 }), "ground.supports.uniform: must have either n or tolerance, found both"),
+        (json!({ "tolerance": 1e-5 }), "ground.supports.uniform.tolerance: must be from 0.0002 to 0.6666666666666666, found"),
+    ] {
+        let found = of(uniform).unwrap_err();
+        assert!(found.contains(fault), "{found}");
+    }
+}
+
 #[test]
 fn uniform_supports_carry_the_weight_below_the_centre_of_mass() {
     let uniform = json!({ "uniform": { "n": 16 } });

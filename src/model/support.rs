@@ -9,12 +9,15 @@ pub struct SupportPoint {
     pub offset: Vec2,
     /// Normal load (N). It is constant, since the motion is in the plane.
     pub normal_load: f64,
+    /// Coulomb's coefficient of friction of this support; `None` for that of the ground (1).
+    pub friction_coefficient: Option<f64>,
 }
 
 /// Level ground under the load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ground {
-    /// Coulomb's coefficient of friction mu, the same for sticking and slipping (1).
+    /// Coulomb's coefficient of friction mu of all supports without one of their own, the same for
+    /// sticking and slipping (1).
     pub friction_coefficient: f64,
     /// Points at which the load stands.
     pub supports: Vec<SupportPoint>,
@@ -22,8 +25,11 @@ pub struct Ground {
 
 impl Ground {
     /// Largest friction force of each support, mu times its normal load, Eq. (13) (N).
+    ///
+    /// Deviation: the paper has one coefficient for all supports.
     pub fn slip_limits(&self) -> impl Iterator<Item = f64> + '_ {
-        self.supports.iter().map(|support| self.friction_coefficient * support.normal_load)
+        let limit = |support: &SupportPoint| support.friction_coefficient.unwrap_or(self.friction_coefficient) * support.normal_load;
+        self.supports.iter().map(limit)
     }
 }
 

@@ -50,7 +50,11 @@ pub fn uniform_supports(outline: &Outline, n: usize, weight: f64) -> Vec<Support
             OutlinePart::Polygon { .. } => cells(&alone, n_part),
             OutlinePart::Polyline { .. } => continue,
         };
-        supports.extend(of_part.into_iter().map(|(offset, fraction)| SupportPoint { offset, normal_load: weight * share * fraction }));
+        supports.extend(of_part.into_iter().map(|(offset, fraction)| SupportPoint {
+            offset,
+            normal_load: weight * share * fraction,
+            friction_coefficient: None,
+        }));
     }
     supports
 }

@@ -75,10 +75,11 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
 }
 
 fn ground_entry(ground: &Ground) -> GroundEntry {
-    let supports = ground
-        .supports
-        .iter()
-        .map(|support| SupportEntry { offset_m: pair(&support.offset), normal_load_n: Some(plain(support.normal_load)) });
+    let supports = ground.supports.iter().map(|support| SupportEntry {
+        offset_m: pair(&support.offset),
+        normal_load_n: Some(plain(support.normal_load)),
+        friction_coefficient: support.friction_coefficient.map(plain),
+    });
     GroundEntry {
         friction_coefficient: plain(ground.friction_coefficient),
         gravity_m_per_s2: None,

@@ -9,7 +9,11 @@ use crate::common::*;
 
 /// Three supports, the first of them at `bearing` (rad).
 fn supports(bearing: f64) -> Ground {
-    let at = |i: i32| SupportPoint { offset: direction(bearing + f64::from(i) * std::f64::consts::TAU / 3.0), normal_load: 1.0 / 3.0 };
+    let at = |i: i32| SupportPoint {
+        offset: direction(bearing + f64::from(i) * std::f64::consts::TAU / 3.0),
+        normal_load: 1.0 / 3.0,
+        friction_coefficient: None,
+    };
     Ground { friction_coefficient: 1.0, supports: (0..3).map(at).collect() }
 }
 

@@ -162,5 +162,9 @@ fn supports(seed: u64, radius: f64, limit: f64, draws: &mut Draws) -> Vec<Suppor
     let shares: Vec<f64> = offsets.iter().map(|_| draws.log_between(0.5, 3.0)).collect();
     let sum: f64 = shares.iter().sum();
     let reach = radius * draws.between(0.4, 0.9);
-    offsets.iter().zip(&shares).map(|(offset, share)| SupportPoint { offset: reach * offset, normal_load: limit * share / sum }).collect()
+    offsets
+        .iter()
+        .zip(&shares)
+        .map(|(offset, share)| SupportPoint { offset: reach * offset, normal_load: limit * share / sum, friction_coefficient: None })
+        .collect()
 }

@@ -161,8 +161,11 @@ fn ground(load: &LoadEntry, load_radius: f64, kind: Kind, draws: &mut Draws) -> 
     // The weight acts at the middle of what the supports carry.
     let sum: f64 = shares.iter().sum();
     let middle = offsets.iter().zip(&shares).map(|(offset, share)| offset * (share / sum)).sum::<Vec2>();
-    let support =
-        |(offset, share): (&Vec2, &f64)| SupportEntry { offset_m: (offset - middle).into(), normal_load_n: Some(weight * share / sum) };
+    let support = |(offset, share): (&Vec2, &f64)| SupportEntry {
+        offset_m: (offset - middle).into(),
+        normal_load_n: Some(weight * share / sum),
+        friction_coefficient: None,
+    };
     let supports = SupportsEntry::List(offsets.iter().zip(&shares).map(support).collect());
     (GroundEntry { friction_coefficient, gravity_m_per_s2: Some(GRAVITY), supports }, friction_coefficient * weight)
 }

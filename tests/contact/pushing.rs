@@ -47,6 +47,7 @@ impl Push {
             .map(|_| SupportPoint {
                 offset: Vec2::new((2.0 * unit() - 1.0) * half.x, (2.0 * unit() - 1.0) * half.y),
                 normal_load: weight * unit(),
+                friction_coefficient: None,
             })
             .collect();
         let total: f64 = supports.iter().map(|support| support.normal_load).sum();
@@ -132,7 +133,7 @@ impl FacePush {
         let [low, high] = [(offset - width).max(-half.y), (offset + width).min(half.y)];
         let friction_coefficient = 0.2 + unit();
         let slope = if seed.is_multiple_of(2) { 0.0 } else { 0.9 * friction_coefficient * (2.0 * unit() - 1.0) };
-        let support = |offset: Vec2| SupportPoint { offset, normal_load: 1.0 };
+        let support = |offset: Vec2| SupportPoint { offset, normal_load: 1.0, friction_coefficient: None };
         // Pairs of supports about a point on the line of the push.
         let on_line = Vec2::new(-half.x, low + (0.1 + 0.8 * unit()) * (high - low)) + half.x * Vec2::new(1.0, slope);
         let supports = (0..3)
@@ -193,7 +194,8 @@ fn a_fence_aligns_a_box() {
     let outline = Outline { parts: vec![rectangle(&half)] };
     let paths = [Pose::new(0.0, -0.07, 0.0), Pose::new(0.0, 0.08, 0.0)];
     let fence = obstacle(rectangle(&Vec2::new(0.15, 0.01)), 0.2);
-    let supports = (0..6).map(|k| SupportPoint { offset: 0.03 * direction(TAU * f64::from(k) / 6.0), normal_load: 1.0 });
+    let supports =
+        (0..6).map(|k| SupportPoint { offset: 0.03 * direction(TAU * f64::from(k) / 6.0), normal_load: 1.0, friction_coefficient: None });
     let system = System {
         load: Load { mass: 0.5, inertia: 6e-4, radius: outline.extent() },
         ground: Ground { friction_coefficient: 0.3, supports: supports.collect() },

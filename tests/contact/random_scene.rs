@@ -182,6 +182,7 @@ impl Scene {
             .map(|k| SupportPoint {
                 offset: scale * 0.4 * direction(TAU * k as f64 / n_supports as f64),
                 normal_load: force / n_supports as f64,
+                friction_coefficient: None,
             })
             .collect();
         let springs: Vec<PolarSpring> = (0..1 + draws.below(4)).map(|_| spring(draws)).collect();

@@ -28,6 +28,7 @@ fn system(outline: Outline, obstacles: Vec<Obstacle>, springs: Vec<PolarSpring>)
     let supports = [0.0, 1.0, 2.0].map(|third| SupportPoint {
         offset: 2.0 * RADIUS / 3.0 * direction(0.5 * PI + third * TAU / 3.0),
         normal_load: MASS * GRAVITY / 3.0,
+        friction_coefficient: None,
     });
     System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * RADIUS * RADIUS, radius: outline.extent() },

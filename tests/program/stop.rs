@@ -143,7 +143,7 @@ fn the_start_of_a_run_on_a_million_supports_is_linear() {
     let mut scenario = centre_pull();
     let one = |at: usize| {
         let (bearing, share) = (0.7 * (at % 500_000) as f64, ((at % 500_000) as f64 / 500_000.0).sqrt());
-        SupportPoint { offset: 0.03 * share * Vec2::new(bearing.cos(), bearing.sin()), normal_load: 1e-8 }
+        SupportPoint { offset: 0.03 * share * Vec2::new(bearing.cos(), bearing.sin()), normal_load: 1e-8, friction_coefficient: None }
     };
     scenario.system.ground.supports = (0..1_000_000).map(one).collect();
     let run = Simulation::new(&scenario, &default_options(BackendKind::QuasiStatic, &scenario), Keep::Outcome);

@@ -22,8 +22,11 @@ pub fn paper_body() -> System {
 }
 
 fn tripod(radius: f64, support_radius: f64) -> System {
-    let supports = [90.0f64, 210.0, 330.0]
-        .map(|angle| SupportPoint { offset: support_radius * direction(angle.to_radians()), normal_load: MASS * GRAVITY / 3.0 });
+    let supports = [90.0f64, 210.0, 330.0].map(|angle| SupportPoint {
+        offset: support_radius * direction(angle.to_radians()),
+        normal_load: MASS * GRAVITY / 3.0,
+        friction_coefficient: None,
+    });
     System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * radius * radius, radius },
         ground: Ground { friction_coefficient: MU, supports: supports.to_vec() },

@@ -82,7 +82,7 @@ impl FirstScene {
             ground: GroundEntry {
                 friction_coefficient: self.friction,
                 gravity_m_per_s2: None,
-                supports: SupportsEntry::Uniform(UniformSupportsForm { uniform: UniformSupports { n: 16 } }),
+                supports: SupportsEntry::Uniform(UniformSupportsForm { uniform: UniformSupports { n: Some(16), tolerance: None } }),
             },
             drive: DriveEntry::Tips(TipsEntry { kind: TipsKind::Tips, paths: springs.iter().enumerate().map(path).collect() }),
             springs: springs.into_iter().map(SpringsEntry::One).collect(),

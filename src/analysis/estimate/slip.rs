@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn resistance_is_the_derivative_of_the_friction_loss() {
-        let support = |x, y, normal_load| SupportPoint { offset: Vec2::new(x, y), normal_load };
+        let support = |x, y, normal_load| SupportPoint { offset: Vec2::new(x, y), normal_load, friction_coefficient: None };
         let supports = vec![support(0.8, 0.1, 1.0), support(-0.5, 0.6, 2.0), support(-0.2, -0.7, 0.5)];
         let ground = Ground { friction_coefficient: 0.7, supports };
         let n = Vec3::new(0.5, -0.3, 0.4);
@@ -90,7 +90,8 @@ mod tests {
     #[test]
     fn a_pinned_support_resists_slip_equally_in_all_directions() {
         let offset = Vec2::new(0.4, -0.3);
-        let ground = Ground { friction_coefficient: 0.5, supports: vec![SupportPoint { offset, normal_load: 2.0 }] };
+        let ground =
+            Ground { friction_coefficient: 0.5, supports: vec![SupportPoint { offset, normal_load: 2.0, friction_coefficient: None }] };
         let turning = Resistance::of(&ground, &Vec3::new(offset.y, -offset.x, 1.0)).turning;
         for n in [Vec3::new(0.3, 0.7, 0.0), Vec3::new(-0.2, 0.1, 0.9)] {
             // Rounding of 1e3 N/m.

@@ -130,7 +130,11 @@ mod tests {
     use crate::model::SupportPoint;
 
     fn tripod() -> Ground {
-        let supports = [0.5, 2.6, 4.7].map(|angle| SupportPoint { offset: 0.0081333 * math::direction(angle), normal_load: 0.005232 });
+        let supports = [0.5, 2.6, 4.7].map(|angle| SupportPoint {
+            offset: 0.0081333 * math::direction(angle),
+            normal_load: 0.005232,
+            friction_coefficient: None,
+        });
         Ground { friction_coefficient: 1.4, supports: supports.to_vec() }
     }
 

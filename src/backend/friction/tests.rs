@@ -16,8 +16,11 @@ fn forces_with_margin_balance_a_wrench_and_leave_most_of_the_room_there_is() {
     for case in 0..200 {
         let streams = RandomStreams::new(case);
         let draw = |k: u64| 2.0 * streams.uniform(Stream::Start, 0, k) - 1.0;
-        let support =
-            |k: u64| SupportPoint { offset: 0.01 * Vec2::new(draw(2 * k), draw(2 * k + 1)), normal_load: 0.005 * 3f64.powf(draw(60 + k)) };
+        let support = |k: u64| SupportPoint {
+            offset: 0.01 * Vec2::new(draw(2 * k), draw(2 * k + 1)),
+            normal_load: 0.005 * 3f64.powf(draw(60 + k)),
+            friction_coefficient: None,
+        };
         let ground = Ground { friction_coefficient: 1.4, supports: (0..3 + case % 4).map(support).collect() };
         let cones = Cones::new(&ground, 0.0122);
         let course = Vec3::new(draw(100), draw(101), draw(102));
@@ -58,7 +61,11 @@ fn a_slip_is_near_where_parabolas_touch_its_losses() {
     for case in 0..600 {
         let streams = RandomStreams::new(case);
         let draw = |k: u64| 2.0 * streams.uniform(Stream::Start, 0, k) - 1.0;
-        let support = |k: u64| SupportPoint { offset: 0.01 * Vec2::new(draw(2 * k), draw(2 * k + 1)), normal_load: 0.005 };
+        let support = |k: u64| SupportPoint {
+            offset: 0.01 * Vec2::new(draw(2 * k), draw(2 * k + 1)),
+            normal_load: 0.005,
+            friction_coefficient: None,
+        };
         let ground = Ground { friction_coefficient: 1.4, supports: (0..3 + case % 3).map(support).collect() };
         let (cones, mut solver) = (Cones::new(&ground, 0.0122), FrictionSolver::new(&ground, 0.0122));
         let hessian = Mat3::from_diagonal(&Vec3::new(3.0, 3.0, 4e-4));
@@ -81,7 +88,8 @@ fn a_slip_is_near_where_parabolas_touch_its_losses() {
 }
 
 fn tripod() -> Ground {
-    let supports = [0.3, 2.1, 4.0].map(|angle| SupportPoint { offset: 0.008 * direction(angle), normal_load: 0.005 });
+    let supports =
+        [0.3, 2.1, 4.0].map(|angle| SupportPoint { offset: 0.008 * direction(angle), normal_load: 0.005, friction_coefficient: None });
     Ground { friction_coefficient: 1.4, supports: supports.to_vec() }
 }
 

@@ -32,7 +32,11 @@ pub(super) mod tests {
     use crate::model::{PolarSpring, SupportPoint};
 
     pub(in crate::backend::increment) fn ground() -> Ground {
-        let supports = [0.5, 2.6, 4.7].map(|angle| SupportPoint { offset: 0.0081333 * direction(angle), normal_load: 0.005232 });
+        let supports = [0.5, 2.6, 4.7].map(|angle| SupportPoint {
+            offset: 0.0081333 * direction(angle),
+            normal_load: 0.005232,
+            friction_coefficient: None,
+        });
         Ground { friction_coefficient: 1.4, supports: supports.to_vec() }
     }
 

@@ -247,7 +247,8 @@ mod tests {
     /// comes close to it somewhere: the bound is not loose.
     #[test]
     fn the_second_order_of_a_spring_is_bounded() {
-        let supports = [0.3, 2.1, 4.0].map(|angle| SupportPoint { offset: 0.008 * direction(angle), normal_load: 0.005 });
+        let supports =
+            [0.3, 2.1, 4.0].map(|angle| SupportPoint { offset: 0.008 * direction(angle), normal_load: 0.005, friction_coefficient: None });
         let solver = FrictionSolver::new(&Ground { friction_coefficient: 1.4, supports: supports.to_vec() }, 0.0122);
         let mut closest: f64 = 0.0;
         for case in 0..300 {

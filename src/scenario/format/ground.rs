@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GroundEntry {
-    /// Coulomb's coefficient of friction, the same for sticking and slipping (1).
+    /// Coulomb's coefficient of friction of all supports without one of their own, the same for
+    /// sticking and slipping (1).
     pub friction_coefficient: f64,
     /// Gravity, from which normal loads follow that are left out (m/s^2). It has no other effect.
     /// The default is 9.81.
@@ -49,6 +50,11 @@ pub struct SupportEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub normal_load_n: Option<f64>,
+    /// Coulomb's coefficient of friction of this support (1), as of a foot of another material. The
+    /// default is that of the ground.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub friction_coefficient: Option<f64>,
 }
 
 /// Short form for three equal supports.
@@ -112,8 +118,16 @@ pub struct UniformSupportsForm {
 #[serde(deny_unknown_fields)]
 pub struct UniformSupports {
     /// Number of supports, at least 3 (1). The program takes a number near it that fills the
-    /// outline evenly. The error of friction is about 1.5 / n of the weight's at worst.
-    pub n: usize,
+    /// outline evenly. The error of friction is about 1.5 / n of the weight's at worst. Either this
+    /// or `tolerance` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "usize")]
+    pub n: Option<usize>,
+    /// Largest error of friction force or torque, over that of the whole weight (1). The number of
+    /// supports follows from it, and is 2 / `tolerance`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub tolerance: Option<f64>,
 }
 
 fn quarter_turn() -> f64 {

@@ -18,6 +18,9 @@ const LEAST_UNIFORM: usize = 3;
 /// Largest number of supports of a uniform pressure (1). The error of friction is then far below
 /// what is known of real pressures.
 const MOST_UNIFORM: usize = 10_000;
+/// Error of friction over that of the weight, times the number of supports (1). It is 1.73 at most
+/// in the table of errors that the unit tests of `model/uniform_supports.rs` hold.
+const ERROR_BY_SUPPORTS: f64 = 2.0;
 
 /// Ground under a load, where that is known. Unknown normal loads are NaN.
 pub fn ground(entry: &GroundEntry, load: Option<&CheckedLoad>, findings: &mut Findings) -> Ground {
@@ -72,22 +75,40 @@ fn ring(ring: &RingOfSupports, weight: Option<f64>, findings: &mut Findings) -> 
 }
 
 fn uniform(uniform: &UniformSupports, load: Option<&CheckedLoad>, weight: Option<f64>, findings: &mut Findings) -> Vec<SupportPoint> {
-    let path = "ground.supports.uniform.n";
-    if !(MOST_UNIFORM >= uniform.n && uniform.n >= LEAST_UNIFORM) {
-        findings.report(path, format!("must be from {LEAST_UNIFORM} to {MOST_UNIFORM}"), uniform.n);
-        return Vec::new();
-    }
+    let Some(n) = n_uniform(uniform, findings) else { return Vec::new() };
     let (Some(outline), Some(weight)) = (load.and_then(|load| load.outline.as_ref()), weight) else { return Vec::new() };
     // The same fault is found where the inertia follows from the outline.
     let is_known = findings.0.iter().any(|finding| finding.path == "load.outline");
     if is_known || !require_centred("load.outline", outline, findings) {
         return Vec::new();
     }
-    uniform_supports(outline, uniform.n, weight)
+    uniform_supports(outline, n, weight)
+}
+
+/// Number of supports of a uniform pressure, as given or by the tolerance; `None` where a rule is
+/// broken (1).
+fn n_uniform(uniform: &UniformSupports, findings: &mut Findings) -> Option<usize> {
+    let path = "ground.supports.uniform";
+    match (uniform.n, uniform.tolerance) {
+        (Some(n), None) if (LEAST_UNIFORM..=MOST_UNIFORM).contains(&n) => return Some(n),
+        (Some(n), None) => findings.report(format!("{path}.n"), format!("must be from {LEAST_UNIFORM} to {MOST_UNIFORM}"), n),
+        (None, Some(tolerance)) => {
+            let [least, most] = [MOST_UNIFORM, LEAST_UNIFORM].map(|n| ERROR_BY_SUPPORTS / n as f64);
+            if (least..=most).contains(&tolerance) {
+                return Some(((ERROR_BY_SUPPORTS / tolerance).ceil() as usize).clamp(LEAST_UNIFORM, MOST_UNIFORM));
+            }
+            findings.report(format!("{path}.tolerance"), format!("must be from {least} to {most}"), number(tolerance));
+        }
+        (None, None) => findings.report(path, "must have n or tolerance", "neither"),
+        (Some(_), Some(_)) => findings.report(path, "must have either n or tolerance", "both"),
+    }
+    None
 }
 
 fn on_circle(n: usize, radius: f64, first_bearing: f64, normal_load: f64) -> Vec<SupportPoint> {
-    bearings(n, first_bearing).map(|bearing| SupportPoint { offset: polar(radius, bearing), normal_load }).collect()
+    bearings(n, first_bearing)
+        .map(|bearing| SupportPoint { offset: polar(radius, bearing), normal_load, friction_coefficient: None })
+        .collect()
 }
 
 fn third_of(weight: Option<f64>) -> f64 {
@@ -100,10 +121,15 @@ fn listed(list: &[SupportEntry], weight: Option<f64>, findings: &mut Findings) -
     }
     for (index, support) in list.iter().enumerate() {
         findings.finite_vector(format_args!("ground.supports[{index}].offset_m"), &support.offset_m);
+        if let Some(friction) = support.friction_coefficient {
+            findings.not_negative(format_args!("ground.supports[{index}].friction_coefficient"), friction);
+        }
     }
     let offsets = list.iter().map(|support| Vec2::from(support.offset_m));
     let loads = normal_loads(list, weight, findings);
-    offsets.zip(loads).map(|(offset, normal_load)| SupportPoint { offset, normal_load }).collect()
+    let all = list.iter().zip(offsets.zip(loads));
+    all.map(|(entry, (offset, normal_load))| SupportPoint { offset, normal_load, friction_coefficient: entry.friction_coefficient })
+        .collect()
 }
 
 /// Normal load of each support, as given or from the centre of mass (N).

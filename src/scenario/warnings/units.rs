@@ -76,6 +76,9 @@ fn ratios(system: &System, findings: &mut Findings) {
         }
     };
     at_most("ground.friction_coefficient".into(), LARGEST_FRICTION, system.ground.friction_coefficient);
+    for (index, support) in system.ground.supports.iter().enumerate() {
+        at_most(format!("ground.supports[{index}].friction_coefficient"), LARGEST_FRICTION, support.friction_coefficient.unwrap_or(0.0));
+    }
     for (index, obstacle) in system.world.obstacles.iter().enumerate() {
         at_most(format!("obstacles[{index}].friction_coefficient"), LARGEST_FRICTION, obstacle.friction_coefficient);
     }

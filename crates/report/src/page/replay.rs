@@ -120,6 +120,7 @@ impl Replay {
             let stage = if shared { 0 } else { at };
             run_of(scenario, run, at, stage, &rows[stage], &parts)
         };
+        let limits: Vec<f64> = system.ground.slip_limits().collect();
         let data = Data {
             radius: system.load.radius,
             outline: shapes(&system.world.outline),
@@ -130,8 +131,7 @@ impl Replay {
             supports: parts
                 .supports
                 .iter()
-                .map(|i| &system.ground.supports[*i])
-                .map(|s| [s.offset.x, s.offset.y, system.ground.friction_coefficient * s.normal_load])
+                .map(|i| [system.ground.supports[*i].offset.x, system.ground.supports[*i].offset.y, limits[*i]])
                 .collect(),
             springs: parts.springs.iter().map(|i| (*i, ends(&system.springs[*i]))).collect(),
             largest_pull: largest_pull(runs),

@@ -139,6 +139,7 @@ fn dragged(n_springs: usize, n_supports: usize) -> System {
     let support = |i: usize| SupportPoint {
         offset: SUPPORT_RADIUS * direction(TAU * (0.25 + i as f64 / n_supports as f64)),
         normal_load: MASS * GRAVITY / n_supports as f64,
+        friction_coefficient: None,
     };
     let mut system = paper_system(springs.collect());
     system.ground.supports = (0..n_supports).map(support).collect();

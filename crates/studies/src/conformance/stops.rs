@@ -100,7 +100,8 @@ const FAST: f64 = 1.0;
 
 fn friction_direction(asked: &Asked) -> Result<Vec<Measure>, Ended> {
     let mut system = load_on(Vec::new());
-    system.ground.supports = vec![SupportPoint { offset: Vec2::new(0.0, SUPPORT_RADIUS), normal_load: MASS * GRAVITY }];
+    system.ground.supports =
+        vec![SupportPoint { offset: Vec2::new(0.0, SUPPORT_RADIUS), normal_load: MASS * GRAVITY, friction_coefficient: None }];
     let along = FAST / SQRT_2;
     let h = asked.step_s;
     let course = asked.run(&scenario("one support", system.clone(), moving(along, along, 0.0), [h, h], Vec::new()))?;

@@ -129,7 +129,7 @@ pub fn ring(n: usize, radius: f64, total: f64) -> Vec<SupportEntry> {
 }
 
 pub fn support(offset: Vec2, normal_load: f64) -> SupportEntry {
-    SupportEntry { offset_m: offset.into(), normal_load_n: Some(normal_load) }
+    SupportEntry { offset_m: offset.into(), normal_load_n: Some(normal_load), friction_coefficient: None }
 }
 
 /// The paper's spring, at `bearing` (rad) on the edge of the load.

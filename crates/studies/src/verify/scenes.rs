@@ -37,7 +37,7 @@ pub fn natural_rate() -> f64 {
 /// of normal load.
 pub fn tripod(radius: f64, total: f64) -> Vec<SupportPoint> {
     [PI / 2.0, 7.0 * PI / 6.0, 11.0 * PI / 6.0]
-        .map(|angle| SupportPoint { offset: radius * direction(angle), normal_load: total / 3.0 })
+        .map(|angle| SupportPoint { offset: radius * direction(angle), normal_load: total / 3.0, friction_coefficient: None })
         .to_vec()
 }
 

@@ -214,7 +214,11 @@ mod tests {
     /// Away from a rest without contacts there is no way by offsets.
     #[test]
     fn a_search_without_contacts_has_nothing_to_offset() {
-        let supports = [0.0, 2.0, 4.0].map(|angle| SupportPoint { offset: crate::math::direction(angle), normal_load: 1.0 });
+        let supports = [0.0, 2.0, 4.0].map(|angle| SupportPoint {
+            offset: crate::math::direction(angle),
+            normal_load: 1.0,
+            friction_coefficient: None,
+        });
         let solver = FrictionSolver::new(&Ground { friction_coefficient: 1.0, supports: supports.to_vec() }, 1.0);
         let (hessian, drive) = (Mat3::identity(), Vec3::new(0.1, 0.0, 0.0));
         let problem = Problem::new(solver.cones(), &ContactSystem { hessian: &hessian, drive: &drive, rows: &[] }, None);

@@ -176,7 +176,7 @@ mod tests {
     /// A ground with slip limits (N) at these points (m), under a load of 1 m that rests by these
     /// forces.
     fn resting(supports: &[(Vec2, f64)], ground: &[Vec2]) -> FrictionSolver {
-        let point = |(offset, limit): &(Vec2, f64)| SupportPoint { offset: *offset, normal_load: *limit };
+        let point = |(offset, limit): &(Vec2, f64)| SupportPoint { offset: *offset, normal_load: *limit, friction_coefficient: None };
         let mut solver = FrictionSolver::new(&Ground { friction_coefficient: 1.0, supports: supports.iter().map(point).collect() }, 1.0);
         let scaled: Vec<Vec2> = ground.iter().map(|force| force / solver.cones().unit_of_force()).collect();
         solver.keep_scaled(Vec3::zeros(), ContactMode::Stick, &scaled);
