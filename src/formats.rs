@@ -153,6 +153,8 @@ formats! {
     MAP = ("cohaul compare map", 1, "`compare --vary --json`, `summary.json`", None);
     /// Result of `compare --threshold`.
     THRESHOLD = ("cohaul threshold", 1, "`compare --threshold --json`, `summary.json`", None);
+    /// Result of `measured`.
+    MEASURED = ("cohaul measured", 1, "`measured --json`, `summary.json`", None);
     /// Result of `sweep` and `merge`.
     SWEEP = ("cohaul sweep", 1, "`sweep --json`, `merge --json`, `summary.json`", Older);
     /// Result of `sweep --shard`.

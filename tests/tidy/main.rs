@@ -36,10 +36,10 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 7] = [
-    ("src", 40_010),
+    ("src", 40_130),
     ("crates/engines/src", 1_100),
-    ("crates/report/src", 8_750),
-    ("crates/studies/src", 21_600),
+    ("crates/report/src", 8_780),
+    ("crates/studies/src", 23_790),
     ("crates/paper/src", 11_200),
     // The readers of twelve formats and of what is wrong with them.
     ("crates/recordings/src", 3_660),

@@ -75,6 +75,11 @@ impl Table {
         self.rows.len()
     }
 
+    /// Names of the columns.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
     pub fn has(&self, column: &str) -> bool {
         self.columns.iter().any(|name| name == column)
     }

@@ -30,6 +30,7 @@ pub mod gate;
 pub mod journal;
 mod journal_text;
 pub mod known_answers;
+pub mod measured;
 pub mod methods;
 pub mod regime;
 pub mod run;

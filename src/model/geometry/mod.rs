@@ -25,4 +25,4 @@ pub use barriers::{Among, Barriers};
 pub use moments::{AreaMoments, area_moments, moments_of_polygon};
 pub use pieces::{ConvexPiece, convex_pieces};
 pub use polygon::{first_crossing, turned_counter_clockwise, without_straight_corners, without_straight_points};
-pub use queries::{Closest, closest_point, first_hit, overlap_depth, overlap_of_parts};
+pub use queries::{Closest, closest_point, first_hit, gap, overlap_depth, overlap_of_parts, way_out};

@@ -33,6 +33,38 @@ pub fn overlap_depth(a: &Outline, at_a: &Pose, b: &Outline, at_b: &Pose) -> Opti
     depth_of_pieces(&pieces_a, at_a, &pieces_b, at_b, sizes)
 }
 
+/// Shortest displacement (m, world) that brings the outline `b` out of `a` along the normal of the
+/// pair of convex pieces that overlaps most deeply: zero for outlines that do not overlap. `None`
+/// where a few such displacements do not part them, as in a notch.
+///
+/// # Panics
+/// When a polygon crosses itself.
+pub fn way_out(a: &Outline, at_a: &Pose, b: &Outline, at_b: &Pose) -> Option<Vec2> {
+    const MOST_DISPLACEMENTS: usize = 20;
+    let sizes = [a.extent(), b.extent()];
+    let [pieces_a, pieces_b] = [a, b].map(|outline| convex_pieces(outline).expect("polygons do not cross themselves"));
+    let mut moved = *at_b;
+    for _ in 0..MOST_DISPLACEMENTS {
+        let Some((depth, normal)) = deepest_of_pieces(&pieces_a, at_a, &pieces_b, &moved, sizes) else {
+            return Some(moved.position - at_b.position);
+        };
+        moved.position += depth * normal;
+    }
+    None
+}
+
+/// Gap between two outlines at two poses, negative where they overlap (m); `None` for an outline
+/// without parts.
+///
+/// # Panics
+/// When a polygon crosses itself.
+pub fn gap(a: &Outline, at_a: &Pose, b: &Outline, at_b: &Pose) -> Option<f64> {
+    let sizes = [a.extent(), b.extent()];
+    let [pieces_a, pieces_b] = [a, b].map(|outline| convex_pieces(outline).expect("polygons do not cross themselves"));
+    let reach = (at_a.position - at_b.position).norm() + sizes[0] + sizes[1];
+    closest_pieces(&pieces_a, at_a, &pieces_b, at_b, sizes, reach).map(|(gap, _)| gap)
+}
+
 /// Indices of two parts of an outline that overlap, with the depth (m).
 ///
 /// # Panics
@@ -55,6 +87,19 @@ const FINEST: f64 = 1e-9;
 
 /// Largest depth of two lists of pieces of bodies with these `sizes` (m).
 fn depth_of_pieces(a: &[ConvexPiece], at_a: &Pose, b: &[ConvexPiece], at_b: &Pose, sizes: [f64; 2]) -> Option<f64> {
+    deepest_of_pieces(a, at_a, b, at_b, sizes).map(|(depth, _)| depth)
+}
+
+/// The same with the normal of the deepest pair, which points out of the first body (m and 1,
+/// world).
+fn deepest_of_pieces(a: &[ConvexPiece], at_a: &Pose, b: &[ConvexPiece], at_b: &Pose, sizes: [f64; 2]) -> Option<(f64, Vec2)> {
+    let (gap, normal) = closest_pieces(a, at_a, b, at_b, sizes, 0.0)?;
+    (-gap > TOUCH * sizes[0].max(sizes[1])).then_some((-gap, normal))
+}
+
+/// Smallest gap between pieces of two bodies that are nearer than `reach` (m), negative where they
+/// overlap, and its normal, which points out of the first body (m and 1, world).
+fn closest_pieces(a: &[ConvexPiece], at_a: &Pose, b: &[ConvexPiece], at_b: &Pose, sizes: [f64; 2], reach: f64) -> Option<(f64, Vec2)> {
     // Positions relative to the first body and sizes of order one keep all digits.
     let larger = sizes[0].max(sizes[1]);
     let size = sizes[0].min(sizes[1]).max(FINEST * larger).max(f64::MIN_POSITIVE);
@@ -62,15 +107,18 @@ fn depth_of_pieces(a: &[ConvexPiece], at_a: &Pose, b: &[ConvexPiece], at_b: &Pos
     let origin = at_a.position;
     let placed = |piece: &ConvexPiece, at: &Pose| Placed::new(piece, at, &origin, scale);
     let placed_b: Vec<Placed> = b.iter().map(|piece| placed(piece, at_b)).collect();
-    let touch = TOUCH * larger * scale;
-    let mut deepest = touch;
+    let mut closest: Option<(f64, Vec2)> = None;
     for one in a.iter().map(|piece| placed(piece, at_a)) {
         for other in &placed_b {
-            let found = contact(&one.pose, &*one.shape, &other.pose, &*other.shape, 0.0).expect("parry2d knows all pairs of pieces");
-            deepest = found.map_or(deepest, |found| deepest.max(-found.dist));
+            let found =
+                contact(&one.pose, &*one.shape, &other.pose, &*other.shape, scale * reach).expect("parry2d knows all pairs of pieces");
+            let Some(found) = found else { continue };
+            if closest.is_none_or(|(gap, _)| size * found.dist < gap) {
+                closest = Some((size * found.dist, Vec2::new(found.normal1.x, found.normal1.y)));
+            }
         }
     }
-    (deepest > touch).then_some(deepest * size)
+    closest
 }
 
 /// First point at which the segment `from` - `to` (m, world) meets an outline, as its fraction of
@@ -146,6 +194,24 @@ mod tests {
 
     fn l_shape() -> Outline {
         polygon(&[[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]])
+    }
+
+    #[test]
+    fn the_way_out_is_along_the_normal_by_the_depth() {
+        let (disc, post) = (Outline::disc(0.0122), Outline::disc(0.005));
+        let way = |distance: f64| way_out(&disc, &HERE, &post, &Pose::new(0.6 * distance, 0.8 * distance, 1.0)).unwrap();
+        assert_eq!(way(0.0172), Vec2::zeros());
+        for distance in [0.0162, 0.0172, 0.1] {
+            let found = gap(&disc, &HERE, &post, &Pose::new(0.6 * distance, 0.8 * distance, 1.0)).unwrap();
+            assert!((found - (distance - 0.0172)).abs() < 1e-9, "{distance}: {found}");
+        }
+        assert!((way(0.0162) - 1e-3 * Vec2::new(0.6, 0.8)).norm() < 1e-12);
+        // Out of the notch of an L on the shortest way, and not through its other arm.
+        let found = way_out(&l_shape(), &HERE, &Outline::disc(0.1), &Pose::new(2.0, 1.05, 0.0)).unwrap();
+        assert!((found - Vec2::new(0.0, 0.05)).norm() < 1e-7, "{found}");
+        let notch = way_out(&l_shape(), &HERE, &Outline::disc(0.1), &Pose::new(1.05, 1.05, 0.0)).unwrap();
+        // Two displacements, one out of each arm.
+        assert!((notch - Vec2::new(0.05, 0.05)).norm() < 1e-7, "{notch}");
     }
 
     /// Two discs at the distance d overlap by r + s - d, and a disc and a wall by r - d.

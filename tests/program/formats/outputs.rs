@@ -135,6 +135,9 @@ impl Outputs {
         self.take(&["compare", JUMP, "--vary", "load.mass_kg=log:1e-4:1:3"]);
         self.take(&["compare", JUMP, "--threshold", "speed=0.5:2:3"]);
         self.take(&["compare", "scenarios/contact/pusher.json", "--threshold", "inertia=0.5:2:3"]);
+        let pushes = "data/measured/pushes.csv";
+        self.take(&["measured", pushes, "data/measured/block.json", "--fit", "side-friction,ground-friction"]);
+        self.take(&["measured", pushes, "data/measured/block.json", "--no-engine", "--start", "recorded"]);
     }
 
     fn sweeps(&mut self) {

@@ -20,6 +20,7 @@ mod help;
 mod import;
 mod input;
 mod internal;
+mod measured;
 mod merge;
 mod new;
 mod output;
@@ -102,6 +103,8 @@ commands! {
     View(view::ViewArgs) => view::view,
     /// Draw a scene or a run as a film or a picture
     Render(render::RenderArgs) => render::render,
+    /// Compare measured runs with simulated ones
+    Measured(measured::MeasuredArgs) => measured::measured,
     /// Run a scenario over seeds and parameters into one table
     Sweep(sweep::SweepArgs) => sweep::sweep,
     /// Join the shards of a sweep into one table

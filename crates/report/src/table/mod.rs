@@ -37,7 +37,7 @@ pub use field::{Field, Kind};
 pub use layout::Layout;
 pub use layout::folded;
 #[cfg(feature = "parquet")]
-pub use parquet::ParquetWriter;
+pub use parquet::{ParquetWriter, csv_of_parquet};
 pub use text::wrapped;
 
 /// Columns over rows.
@@ -154,6 +154,15 @@ impl Column {
         let name = self.name.replace([' ', '-'], "_");
         if unit.is_empty() { name } else { format!("{name}_{unit}") }
     }
+}
+
+/// The text of a CSV table with the rows of a Parquet file: no build without that feature has it.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "parquet"))]
+pub fn csv_of_parquet(_bytes: Vec<u8>) -> Result<String, String> {
+    Err("this build reads no Parquet files".to_owned())
 }
 
 /// Writes `rows` as CSV whose columns are the fields of the rows.

@@ -13,7 +13,9 @@ use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleTyp
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::record::Field as Read;
 use parquet::schema::types::Type;
 use serde_json::{Map, Value};
 
@@ -95,6 +97,32 @@ impl<'a> ParquetWriter<'a> {
     }
 }
 
+/// The text of a CSV table with the rows of a Parquet file. Fields without a value are empty.
+///
+/// # Errors
+/// When the bytes are no Parquet file, or it has columns of lists or tables, in words.
+pub fn csv_of_parquet(bytes: Vec<u8>) -> Result<String, String> {
+    let in_words = |error: ParquetError| error.to_string();
+    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(in_words)?;
+    let columns = reader.metadata().file_metadata().schema().get_fields().to_vec();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(columns.iter().map(|column| column.name())).map_err(|error| error.to_string())?;
+    for row in reader.get_row_iter(None).map_err(in_words)? {
+        let row = row.map_err(in_words)?;
+        let fields = row.get_column_iter().map(|(name, field)| match field {
+            Read::Null => Ok(String::new()),
+            Read::Str(text) => Ok(text.clone()),
+            Read::Group(_) | Read::ListInternal(_) | Read::MapInternal(_) => Err(format!("column {name} must have one value a row")),
+            Read::Float(number) => Ok(number.to_string()),
+            Read::Double(number) => Ok(number.to_string()),
+            other => Ok(other.to_string()),
+        });
+        writer.write_record(fields.collect::<Result<Vec<_>, _>>()?).map_err(|error| error.to_string())?;
+    }
+    let text = writer.into_inner().map_err(|error| error.to_string())?;
+    String::from_utf8(text).map_err(|error| error.to_string())
+}
+
 /// Metadata of a file with these columns.
 fn metadata(columns: &[(String, Kind)], manifest: Option<&Manifest>) -> Vec<KeyValue> {
     let units: Map<String, Value> =
@@ -150,8 +178,6 @@ fn write_column<'a, T: DataType>(
 
 #[cfg(test)]
 mod tests {
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field as Read;
 
     use super::*;
     use crate::synthetic::manifest;

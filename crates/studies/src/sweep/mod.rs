@@ -46,6 +46,7 @@ pub use error::SweepError;
 pub use factor::Factor;
 pub use group::{Distribution, Group, Grouper, MEASURES};
 pub use hypercube::coordinate as hypercube_coordinate;
+pub use path::Path as Place;
 pub use plan::{Ask, FORMAT, Identity, Plan, Variant};
 pub use shard::{Part, Shards, finish_shard, shard_files, verified};
 pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, coordinate as sobol_coordinate};
