@@ -36,14 +36,14 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 7] = [
-    ("src", 40_130),
-    ("crates/engines/src", 1_100),
-    ("crates/report/src", 8_780),
-    ("crates/studies/src", 23_790),
-    ("crates/paper/src", 11_200),
+    ("src", 40_170),
+    ("crates/engines/src", 1_120),
+    ("crates/report/src", 8_770),
+    ("crates/studies/src", 24_070),
+    ("crates/paper/src", 11_190),
     // The readers of twelve formats and of what is wrong with them.
-    ("crates/recordings/src", 3_660),
-    ("crates/app/src", 7_380),
+    ("crates/recordings/src", 3_650),
+    ("crates/app/src", 7_890),
 ];
 
 /// Beginnings of the names of crates, and the places in which these may be used.
