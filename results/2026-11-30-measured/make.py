@@ -168,7 +168,7 @@ mostly what smoothing leaves open.
     return text + """
 Before and after are medians of the model error of the quasi-static block. The inertia effect is that
 of runs 26 to 50 with the fitted side friction, and the engine error that of rapier on the first five
-runs, with a side friction of 0.4. On the checked runs it lowers the median of wood-narrow, board-even and board-patch, and raises that
+runs, with a side friction of 0.4. On the checked runs the fit lowers the median of wood-narrow, board-even and board-patch, and raises that
 of board-skew and wood-wide: one side friction for all runs is not what is wrong there.
 
 `COHAUL_MEASURED=TABLES cargo test --test measured -- --ignored medians` compares the medians of the
