@@ -171,6 +171,10 @@ of runs 26 to 50 with the fitted side friction, and the engine error that of rap
 runs, with a side friction of 0.4. On the checked runs the fit lowers the median of wood-narrow, board-even and board-patch, and raises that
 of board-skew and wood-wide: one side friction for all runs is not what is wrong there.
 
+On 200 generated recordings of twelve pushes, with noise of 0.5 mm and 2 mrad, side friction was 20 %
+larger than in the scene. Then 188 regions had the true value. The fitted value was 1.199 times that
+of the scene in the mean: `cargo test --test measured -- --ignored coverage`.
+
 `COHAUL_MEASURED=TABLES cargo test --test measured -- --ignored medians` compares the medians of the
 first table with the independent ones, to 0.1 mm.
 """
