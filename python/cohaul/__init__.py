@@ -23,6 +23,7 @@ rigid-body engine rapier2d). Units are SI; angles are in radians, counter-clockw
 from ._compare import BACKENDS, Comparison, compare, compare_controller
 from ._conformance import Conformance, conformance
 from ._errors import Fault, InternalError, ScenarioError
+from ._measured import Measured, measured
 from ._native import View
 from ._parts import ants, ground, load, path, spring, tips
 from ._run import Event, Run, Trace, run
@@ -37,6 +38,7 @@ __all__ = [
     "Event",
     "Fault",
     "InternalError",
+    "Measured",
     "Run",
     "Scenario",
     "ScenarioError",
@@ -50,6 +52,7 @@ __all__ = [
     "conformance",
     "ground",
     "load",
+    "measured",
     "path",
     "run",
     "spring",

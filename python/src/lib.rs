@@ -11,6 +11,7 @@
 //! stepper.rs     a load that is moved step by step
 //! compare.rs     a comparison of three backends
 //! conformance.rs questions with closed answers
+//! measured.rs    measured runs beside simulated ones
 //! sweep.rs       many runs on all threads
 //! ```
 #![deny(unsafe_code)]
@@ -19,6 +20,7 @@ mod compare;
 mod conformance;
 mod controller;
 mod engine;
+mod measured;
 mod options;
 mod points;
 mod run;
@@ -38,6 +40,8 @@ mod _native {
     use super::conformance::{Conformance, conformance};
     #[pymodule_export]
     use super::controller::View;
+    #[pymodule_export]
+    use super::measured::{Measured, measured};
     #[pymodule_export]
     use super::run::{RunData, run};
     #[pymodule_export]
