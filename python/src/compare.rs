@@ -86,7 +86,7 @@ pub fn compare(
     // Only an interrupt stops a comparison, and that is an exception already.
     let (found, others) = found.expect("the comparison ended");
     let found = comparison::Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
-    let found = found.with_other_engines(others, refused_by.into_iter().map(Refusal::from).collect());
+    let found = found.with_other_engines(others, Refusal::of(&refused_by));
     json::check(&found).map_err(|error| PyArithmeticError::new_err(error.to_string()))?;
     Ok(Comparison { scenario, settings, found, started })
 }

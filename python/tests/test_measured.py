@@ -1,12 +1,15 @@
 """Measured runs: what the program prints, and arguments that are refused."""
 
 import json
+import os
+from pathlib import Path
 
 import pytest
 
 import cohaul
 
-TABLE, BLOCK = "data/measured/pushes.csv", "data/measured/block.json"
+DATA = Path(os.environ["COHAUL_ROOT"]) / "data/measured"
+TABLE, BLOCK = DATA / "pushes.csv", DATA / "block.json"
 
 
 def test_a_fit_is_checked_on_the_other_runs():

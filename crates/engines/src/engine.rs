@@ -44,16 +44,17 @@ impl<'a> Engine<'a> {
         Self { name, open: None, refused: None, complaint: Arc::default() }
     }
 
-    /// Those that take the scenario that they were met on, and the others with what they say.
+    /// Those that take the scenario that they were met on, and those that refuse it.
     ///
     /// # Errors
-    /// When none takes it, with what the first one says.
-    pub fn willing<'e>(engines: &'e [Self]) -> Result<(Vec<&'e Self>, Vec<(&'e EngineName, &'e str)>), String> {
-        let refused = engines.iter().filter_map(|engine| Some((&engine.name, engine.refused()?))).collect::<Vec<_>>();
-        match refused.first() {
-            Some((name, why)) if refused.len() == engines.len() => Err(format!("{} refuses the scene: {why}", name.name)),
-            _ => Ok((engines.iter().filter(|engine| engine.refused.is_none()).collect(), refused)),
+    /// When none takes it, with what each says.
+    pub fn willing(engines: &[Self]) -> Result<(Vec<&Self>, Vec<&Self>), String> {
+        let (willing, refusing): (Vec<&Self>, Vec<&Self>) = engines.iter().partition(|engine| engine.refused.is_none());
+        if willing.is_empty() {
+            let says = |engine: &&Self| format!("{} refuses the scene: {}", engine.name.name, engine.refused().unwrap_or_default());
+            return Err(refusing.iter().map(says).collect::<Vec<_>>().join("; "));
         }
+        Ok((willing, refusing))
     }
 
     /// # Errors

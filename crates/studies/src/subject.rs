@@ -56,11 +56,14 @@ pub fn of_user<'a>(engine: &'a Engine) -> impl Fn(&Scenario, &BackendOptions) ->
     }
 }
 
+/// Says why a run has no answer.
+type End = Box<dyn Fn() -> Option<Ended>>;
+
 /// Runs of one engine at the same options, for questions that go on whatever becomes of them.
 pub struct Runs<'a> {
     options: BackendOptions,
     meet: &'a Meet<'a>,
-    complaints: RefCell<Vec<Box<dyn Fn() -> Option<Ended> + 'a>>>,
+    ends: RefCell<Vec<End>>,
 }
 
 impl Runs<'static> {
@@ -72,7 +75,7 @@ impl Runs<'static> {
 
 impl<'a> Runs<'a> {
     pub fn by(meet: &'a Meet<'a>, options: BackendOptions) -> Self {
-        Self { options, meet, complaints: RefCell::default() }
+        Self { options, meet, ends: RefCell::default() }
     }
 
     /// A run of a load from a start, whose outline is its disc if it has none. Without an engine it
@@ -93,14 +96,14 @@ impl<'a> Runs<'a> {
     }
 
     fn backend(&self, scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
-        let mut complaints = self.complaints.borrow_mut();
+        let mut ends = self.ends.borrow_mut();
         match (self.meet)(scenario, options) {
             Ok(Fresh { backend, complaint }) => {
-                complaints.push(Box::new(move || complaint().map(Ended::Failed)));
+                ends.push(Box::new(move || complaint().map(Ended::Failed)));
                 backend
             }
             Err(ended) => {
-                complaints.push(Box::new(move || Some(ended.clone())));
+                ends.push(Box::new(move || Some(ended.clone())));
                 Box::new(Unmoved(scenario.start))
             }
         }
@@ -108,7 +111,7 @@ impl<'a> Runs<'a> {
 
     /// Why there is no answer, if there is none.
     pub fn ended(&self) -> Option<Ended> {
-        self.complaints.borrow().iter().find_map(|complaint| complaint())
+        self.ends.borrow().iter().find_map(|end| end())
     }
 }
 

@@ -10,13 +10,11 @@
 
 mod drawings;
 #[path = "../../differential/draws.rs"]
-#[allow(dead_code, reason = "other tests use more of it")]
 mod draws;
 mod losses;
 mod program;
 mod reports;
 #[path = "../../common/root.rs"]
-#[allow(dead_code, reason = "other tests use more of it")]
 mod root;
 mod samples;
 

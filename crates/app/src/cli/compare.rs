@@ -175,7 +175,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let runs = ThreeWay::new(&scenario, &settings);
     args.foreign.with(&scenario, &settings, |engines| {
         let (engines, refused) = Engine::willing(engines).map_err(|what| CliError::Engine(format!("--engine: {what}")))?;
-        refused_by = refused.into_iter().map(Refusal::from).collect();
+        refused_by = Refusal::of(&refused);
         for tier in asked {
             let times = [cost_of(&tier), whole].map(|cost| cost.time_s);
             match tier {

@@ -58,7 +58,7 @@ pub enum ScenarioCommand {
     /// with one header row of any order, separator and unit. Drawings are SVG, DXF, GeoJSON, OBJ
     /// and MJCF; a scenario alone has its outline put right. A table of all that was done is
     /// printed.
-    Import(ImportArgs),
+    Import(Box<ImportArgs>),
     /// Make a scenario of recorded tips, on the load, ground and springs of another
     ///
     /// The recording is the table that `cohaul run --tips` writes and `cohaul calibrate forces`

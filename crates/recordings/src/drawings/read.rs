@@ -105,7 +105,8 @@ fn outlined(
     account.source = format.title().to_owned();
     scaled(&mut found, unit);
     let size = size(&found.parts);
-    if !found.parts.is_empty() && !(is_in_range(size) && size > 0.0) {
+    let is_drawing = is_in_range(size) && size > 0.0;
+    if !found.parts.is_empty() && !is_drawing {
         findings.report("drawing", "must have a size that is a positive number of metres of at most 1e50", size);
         return Err(invalid(findings));
     }

@@ -144,9 +144,9 @@ impl Columns {
     }
 
     fn add_place(&mut self, at: usize, words: &[String], unit: Option<&str>) -> Result<(), [usize; 2]> {
-        let found = words.iter().enumerate().filter_map(|(index, word)| quantity(word).map(|found| (index, found)));
+        let mut found = words.iter().enumerate().filter_map(|(index, word)| quantity(word).map(|found| (index, found)));
         // The last one counts, as in `angle.x` of a node with that name.
-        let Some((index, (quantity, rest))) = found.last() else {
+        let Some((index, (quantity, rest))) = found.next_back() else {
             self.left_out.push(at);
             return Ok(());
         };

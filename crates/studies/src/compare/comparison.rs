@@ -8,6 +8,7 @@ use cohaul::analysis::compare::{ClosedLoop, EngineName, Pathwise, Settings, Verd
 use cohaul::formats::{self, Format, Versioned};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Health, Trace};
+use cohaul_engines::Engine;
 use cohaul_report::chart::Labelled;
 use cohaul_report::page::Answer;
 
@@ -40,9 +41,11 @@ pub struct Refusal {
     pub why: String,
 }
 
-impl From<(&EngineName, &str)> for Refusal {
-    fn from((engine, why): (&EngineName, &str)) -> Self {
-        Self { engine: engine.clone(), why: why.to_owned() }
+impl Refusal {
+    /// The refusals of these engines.
+    pub fn of(engines: &[&Engine]) -> Vec<Self> {
+        let refusal = |engine: &&Engine| Some(Self { engine: engine.name().clone(), why: engine.refused()?.to_owned() });
+        engines.iter().filter_map(refusal).collect()
     }
 }
 

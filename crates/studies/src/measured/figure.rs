@@ -42,12 +42,14 @@ fn by_run(found: &Measured, styles: [Style; 4]) -> Panel {
         // A logarithmic axis has marks at logarithms.
         panel.marks.push(Mark { at: Across::Horizontal((MILLI * limit.edge_displacement_m).log10()), style: Style::TOLERANCE });
     }
-    let of: [&dyn Fn(&Found) -> Option<f64>; 4] =
-        [&|of| Some(of.model_error.edge_displacement_m), &|of| Some(of.inertia_effect_m), &|of| of.engine_error_m, &|of| {
-            Some(of.reference_error_m)
-        }];
-    for (of, style) in of.into_iter().zip(styles) {
-        let point = |(at, found): (usize, &&Found)| [at as f64 + 1.0, of(found).map_or(f64::NAN, |value| (MILLI * value).max(LEAST))];
+    let differences = |of: &Found| {
+        let model_error = of.model_error.edge_displacement_m;
+        [Some(model_error), Some(of.inertia_effect_m), of.engine_error_m, Some(of.reference_error_m)]
+    };
+    for (which, style) in styles.into_iter().enumerate() {
+        let point = |(at, found): (usize, &&Found)| {
+            [at as f64 + 1.0, differences(found)[which].map_or(f64::NAN, |value| (MILLI * value).max(LEAST))]
+        };
         panel.curves.push(Curve::new(runs.iter().enumerate().map(point).collect(), style, Shape::Marked));
     }
     panel

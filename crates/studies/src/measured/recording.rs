@@ -139,7 +139,7 @@ fn instant(table: &mut Table, row: usize, columns: &Columns, reading: &Reading, 
     }
     let forces = columns.bodies.iter().map(|body| body.force(table, row)).collect::<Option<_>>()?;
     let uncertainty = match &columns.uncertainty {
-        Some(of) => of.numbers(table, row)?.map(|[position, heading]| [position, heading]),
+        Some(of) => of.numbers(table, row)?,
         None => None,
     };
     Some(Instant { time, poses, forces, uncertainty })

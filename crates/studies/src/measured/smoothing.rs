@@ -121,15 +121,12 @@ fn least_squares(samples: &[(f64, Pose)], knots: &[usize]) -> Vec<(f64, Pose)> {
     for knot in 1..n {
         let factor = beside[knot - 1] / diagonal[knot - 1];
         diagonal[knot] -= factor * beside[knot - 1];
-        for entry in 0..3 {
-            right[knot][entry] -= factor * right[knot - 1][entry];
-        }
+        let before = right[knot - 1];
+        right[knot].iter_mut().zip(before).for_each(|(entry, before)| *entry -= factor * before);
     }
     for knot in (0..n).rev() {
-        for entry in 0..3 {
-            let after = if knot + 1 < n { beside[knot] * right[knot + 1][entry] } else { 0.0 };
-            right[knot][entry] = (right[knot][entry] - after) / diagonal[knot];
-        }
+        let after = if knot + 1 < n { right[knot + 1].map(|entry| beside[knot] * entry) } else { [0.0; 3] };
+        right[knot].iter_mut().zip(after).for_each(|(entry, after)| *entry = (*entry - after) / diagonal[knot]);
     }
     right.into_iter().enumerate().map(|(knot, [x, y, heading])| (time(knot), Pose::new(x, y, heading))).collect()
 }

@@ -95,7 +95,8 @@ impl Parameter {
     /// Whether the interval has no width. No recording with noise tells a parameter exactly: the
     /// search for the ends has failed then.
     pub fn is_collapsed(&self) -> bool {
-        self.low.zip(self.high).is_some_and(|(low, high)| !(high - low > COLLAPSED * low.abs().max(high.abs())))
+        let is_wide = |(low, high): (f64, f64)| high - low > COLLAPSED * low.abs().max(high.abs());
+        self.low.zip(self.high).is_some_and(|ends| !is_wide(ends))
     }
 
     /// The parameter as a rising function of this one.
