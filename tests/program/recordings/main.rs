@@ -10,6 +10,7 @@
 
 mod drawings;
 #[path = "../../differential/draws.rs"]
+#[allow(dead_code, reason = "other tests use more of it")]
 mod draws;
 mod losses;
 mod program;
