@@ -13,7 +13,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ("Commands", &["run", "compare", "view", "render", "scenario", "explain"]),
     ("Many runs", &["sweep", "merge", "regime"]),
     ("Tests of a build, of backends and of engines", &["check", "verify", "conformance", "gate", "bench", "stress"]),
-    ("The paper, and measurements", &["paper", "measured", "calibrate"]),
+    ("The paper, and measurements", &["paper", "measured", "colony", "calibrate"]),
     ("This program", &["completions", "man"]),
 ];
 

@@ -128,7 +128,7 @@ commands! {
     /// Use springs as force sensors: fit, design, read forces
     #[command(subcommand)]
     Calibrate(calibrate::CalibrateCommand) => calibrate::calibrate,
-    /// Fit the ants of a recording, and draw the paper's figures for them
+    /// Fit the ants of a recording, with the paper's figures
     Colony(colony::ColonyArgs) => colony::colony,
     /// Check and show scenario files
     #[command(subcommand)]

@@ -192,8 +192,10 @@ impl BehaviourReport {
                 line("beta", parameter(&found.steering_half_angle_rad, |value| quantity(value, "rad")));
                 line("pull speed", parameter(&found.pull_speed_m_per_s, |value| quantity(value, "m/s")));
                 let stated = if self.tip_noise_m > 0.0 { quantity(self.tip_noise_m, "m") } else { "none".to_owned() };
-                let exact = if found.residual_rms_m < LEAST_NOISE { "; intervals are those of 1 nm of noise" } else { "" };
-                line("  check of fit", format!("residuals {} rms, stated noise {stated}{exact}", quantity(found.residual_rms_m, "m")));
+                line("  check of fit", format!("residuals {} rms, stated noise {stated}", quantity(found.residual_rms_m, "m")));
+                if found.residual_rms_m < LEAST_NOISE {
+                    line("  intervals", "those of 1 nm of noise".to_owned());
+                }
             }
         }
         line("not in the table", "speed in Search, sensing range, grasp probability".to_owned());
