@@ -100,7 +100,7 @@ fn shapes() -> Vec<Bad> {
         bad("/durations", json!(2.0), "durations", "unknown key; did you mean `duration_s`?", "2.0"),
         bad("/load/masss_kg", json!(2), "load.masss_kg", "unknown key; did you mean `mass_kg`?", "2"),
         bad("/load/heading", json!(0.5), "load.heading", "unknown key; did you mean `heading_rad`?", "0.5"),
-        bad("/ground/supports/1/colour", json!("red"), "ground.supports[1].colour", "known keys are normal_load_n, offset_m", "\"red\""),
+        bad("/ground/supports/1/colour", json!("red"), "ground.supports[1].colour", "known keys are friction_coefficient, normal_load_n, offset_m", "\"red\""),
         bad("/springs/0/damping", json!(0.1), "springs[0].damping", "did you mean `damping_ratio`?", "0.1"),
         bad("/springs/2/ring/count", json!(2), "springs[2].ring.count", "is an unknown key", "2"),
         bad("/drive/paths/1/release", json!(1), "drive.paths[1].release", "did you mean `release_s`?", "1"),
