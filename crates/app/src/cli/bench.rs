@@ -75,11 +75,11 @@ pub struct BenchArgs {
 pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
     let plan = plan(args)?;
     args.output.check()?;
-    let Some(first) = plan.scenes.first().filter(|_| !args.engine.is_empty()).map(|scene| scene.scenario.clone()) else {
-        return match args.engine.is_empty() {
-            true => measured(args, &plan, &[]),
-            false => Err(CliError::Usage("--engine: must have a scene, found --solvers or --growth alone".into())),
-        };
+    if args.engine.is_empty() {
+        return measured(args, &plan, &[]);
+    }
+    let Some(first) = plan.scenes.first().map(|scene| scene.scenario.clone()) else {
+        return Err(CliError::Usage("--engine: must have a scene, found --solvers or --growth alone".into()));
     };
     let options = BackendOptions::new(BackendKind::Rapier, first.control_period);
     met(&args.engine, timeout(args.engine_timeout_s), &first, &options, |engines| {
