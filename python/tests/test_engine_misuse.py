@@ -100,9 +100,10 @@ def misuse(rng: random.Random):
     after = rng.randrange(5)
     if kind == "raise":
         error = rng.choice(ERRORS)
-        # An interpreter that ends is the wish of an engine; the exception reaches the caller.
+        # An engine does not end the interpreter; every other exception reaches the caller.
         call = rng.choice(CALLS)
-        return call, after if call == "advance" else 0, raising(error), type(error) if isinstance(error, BaseException) else error
+        kind_of = type(error) if isinstance(error, BaseException) else error
+        return call, after if call == "advance" else 0, raising(error), RuntimeError if kind_of is SystemExit else kind_of
     if kind == "endless":
         return "advance", after, endless, RecursionError
     if kind == "answer":
