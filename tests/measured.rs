@@ -324,7 +324,7 @@ fn the_shipped_recording_is_a_generated_one() {
     }
 }
 
-/// The measured tables, where their folder is named: medians within 0.1 mm of an independent
+/// The measured tables, where their folder is named: medians within 0.05 mm of an independent
 /// evaluation by the principle of least power, whose numbers stand on the results page.
 #[test]
 #[ignore = "needs COHAUL_MEASURED, the folder of the tables"]
@@ -340,6 +340,6 @@ fn medians_of_measured_pushes_are_those_of_an_independent_evaluation() {
         let found = measured(&template, &runs, &question(&template)).over_runs.unwrap();
         let difference = found.model_error_m.median - median.as_f64().unwrap();
         println!("{name}: {:.4} mm, independent {:.4} mm", 1e3 * found.model_error_m.median, 1e3 * median.as_f64().unwrap());
-        assert!(difference.abs() < 1e-4, "{name}: {difference:e}");
+        assert!(difference.abs() < 5e-5, "{name}: {difference:e}");
     }
 }

@@ -23,6 +23,7 @@ rigid-body engine rapier2d). Units are SI; angles are in radians, counter-clockw
 from ._compare import BACKENDS, Comparison, compare, compare_controller
 from ._conformance import Conformance, conformance
 from ._errors import Fault, InternalError, ScenarioError
+from ._import import Import, import_scenario
 from ._measured import Measured, measured
 from ._native import View
 from ._parts import ants, ground, load, path, spring, tips
@@ -37,6 +38,7 @@ __all__ = [
     "Conformance",
     "Event",
     "Fault",
+    "Import",
     "InternalError",
     "Measured",
     "Run",
@@ -51,6 +53,7 @@ __all__ = [
     "compare_controller",
     "conformance",
     "ground",
+    "import_scenario",
     "load",
     "measured",
     "path",

@@ -77,8 +77,8 @@ def _page(cards: dict[str, Any], manifest: dict[str, Any], scenes: list[str], ti
     yield from [line for engine in engines for line in _refusals(engine)]
     yield ""
     yield _text(
-        "That Drake takes no obstacles is a gap of its adapter: Drake has contact. MuJoCo has no coefficient of restitution; its users "
-        "get a rebound from an underdamped `solref`, which depends on the masses."
+        "MuJoCo has no coefficient of restitution; its users get a rebound from an underdamped `solref`, which depends on the masses. "
+        "Reasons of refusals are those of the adapters."
     )
     yield from ["", "## Path errors", ""]
     yield _text(

@@ -20,6 +20,7 @@ mod compare;
 mod conformance;
 mod controller;
 mod engine;
+mod import;
 mod measured;
 mod options;
 mod points;
@@ -40,6 +41,8 @@ mod _native {
     use super::conformance::{Conformance, conformance};
     #[pymodule_export]
     use super::controller::View;
+    #[pymodule_export]
+    use super::import::{Import, import_scenario};
     #[pymodule_export]
     use super::measured::{Measured, measured};
     #[pymodule_export]

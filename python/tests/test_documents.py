@@ -13,7 +13,7 @@ from conftest import ROOT
 
 import cohaul
 
-MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_compare", "_sweep", "_simulation", "engines", "gym"])]
+MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_compare", "_sweep", "_simulation", "_import", "_measured", "engines", "gym"])]
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -24,12 +24,13 @@ def test_docstrings(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.failed == 0 and found.attempted > 0
 
 
-@pytest.mark.parametrize("name", ["README.md", "docs/src/engines.md", "docs/src/friction-joints.md", "docs/src/python.md"])
+@pytest.mark.parametrize("name", ["README.md", "docs/src/engines.md", "docs/src/friction-joints.md", "docs/src/python.md", "docs/src/recordings.md"])
 def test_python_code_of_readme_and_book(name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     text = (ROOT / name).read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.S)
     assert blocks
-    (tmp_path / "scenarios").symlink_to(ROOT / "scenarios")
+    for folder in ("scenarios", "examples"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
     for file, content in re.findall(r"```json (\S+)\n(.*?)```", text, re.S):
         (tmp_path / file).write_text(content)
     monkeypatch.chdir(tmp_path)

@@ -15,9 +15,10 @@ SUPPORTS = {  # mm, from the right-angled corner
 CORNERS = np.array([[-50, -50], [100, -50], [-50, 100]]) / 1e3
 TIP = 0.5e-3
 STEP = 4e-5  # of the finger (m)
+STEPS = {"board-patch": 1e-4}  # with 400 supports
 
 
-def supports_of(name, n=10):
+def supports_of(name, n=20):
     if SUPPORTS[name] is None:
         # Centroids of n^2 equal triangles: the legs in n parts.
         a = 0.15 / n
@@ -76,7 +77,7 @@ def balance(p, v, at, share):
     return omega, f
 
 
-def simulate(load, finger, mu, at, share):
+def simulate(load, finger, mu, at, share, step):
     """Last poses of loads (x, y, heading) that fingers push from the first to the second place."""
     pose = load.copy()
     start, end = finger
@@ -86,7 +87,7 @@ def simulate(load, finger, mu, at, share):
     shift = np.maximum(TIP - d, 0)[:, None] * rotated(n, pose[:, 2])
     start, end = start + shift, end + shift
     way = end - start
-    steps = int(np.ceil(np.linalg.norm(way, axis=1).max() / STEP))
+    steps = int(np.ceil(np.linalg.norm(way, axis=1).max() / step))
     for k in range(steps):
         dv = way / steps
         q = rotated(start + (k + 1) * dv - pose[:, :2], -pose[:, 2])
@@ -141,37 +142,46 @@ def simulate(load, finger, mu, at, share):
     return pose
 
 
+def ends(t, p):
+    """First and last place of a finger that rests and then moves straight at constant speed: least
+    squares on all places, which are rounded to 0.1 mm."""
+    best = None
+    for start in np.linspace(t[0], 0.5 * t[-1], 200):
+        moved = np.clip(t - start, 0.0, None)
+        columns = np.stack([np.ones_like(t), moved], axis=1)
+        fit = columns @ np.linalg.lstsq(columns, p, rcond=None)[0]
+        if best is None or ((fit - p) ** 2).sum() < best[0]:
+            best = ((fit - p) ** 2).sum(), fit
+    return best[1][[0, -1]]
+
+
 def table(path):
     runs = {}
     for row in csv.DictReader(open(path)):
         runs.setdefault(int(row["run"]), []).append(row)
     loads, fingers = [], []
+    of = lambda row, keys: [float(row[key]) for key in keys]
     for rows in runs.values():
         seen = [r for r in rows if r["load_x_m"]]
-        loads.append([[float(r[k]) for k in ("load_x_m", "load_y_m", "load_heading_rad")] for r in (seen[0], seen[-1])])
-        fingers.append([[float(r[k]) for k in ("finger_x_m", "finger_y_m")] for r in (rows[0], rows[-1])])
+        loads.append([of(r, ("load_x_m", "load_y_m", "load_heading_rad")) for r in (seen[0], seen[-1])])
+        places = np.array([of(r, ("finger_x_m", "finger_y_m")) for r in rows])
+        fingers.append(ends(np.array([float(r["time_s"]) for r in rows]), places))
     loads, fingers = np.array(loads), np.array(fingers)
     return list(runs), loads, [fingers[:, 0], fingers[:, 1]]
 
 
-def errors(folder, names, mu):
-    """Last measured minus simulated positions (m) and headings (rad) of the runs of each table. All
-    have as many supports."""
-    loads, fingers, supports = zip(*[(*table(f"{folder}/{name}.csv")[1:], supports_of(name)) for name in names])
-    counts = [len(each) for each in loads]
-    each = lambda of: np.concatenate([np.repeat(one[None], n, axis=0) for one, n in zip(of, counts)])
-    load = np.concatenate(loads)
-    finger = [np.concatenate([one[end] for one in fingers]) for end in (0, 1)]
-    at, share = each([one[0] for one in supports]), each([one[1] for one in supports])
-    d = load[:, 1] - simulate(load[:, 0], finger, mu, at, share)
+def errors(folder, name, mu):
+    """Last measured minus simulated positions (m) and headings (rad) of the runs of a table."""
+    _, load, finger = table(f"{folder}/{name}.csv")
+    at, share = (np.repeat(each[None], len(load), axis=0) for each in supports_of(name))
+    d = load[:, 1] - simulate(load[:, 0], finger, mu, at, share, STEPS.get(name, STEP))
     d[:, 2] = (d[:, 2] + np.pi) % (2 * np.pi) - np.pi
-    return dict(zip(names, np.split(d, np.cumsum(counts)[:-1])))
+    return d
 
 
 def medians(folder, mu=0.4):
     """Median edge displacement between measured and simulated block at the end, by table (m)."""
-    points = [name for name, of in SUPPORTS.items() if of]
-    found = {**errors(folder, points, mu), **errors(folder, [name for name in SUPPORTS if name not in points], mu)}
+    found = {name: errors(folder, name, mu) for name in SUPPORTS}
     radius = np.linalg.norm(CORNERS, axis=1).max()
     return {name: float(np.median(np.hypot(d[:, 0], d[:, 1]) + radius * abs(d[:, 2]))) for name, d in found.items()}
 

@@ -7,11 +7,13 @@
 //! repair/     swapped ids, jumps, gaps, smoothing
 //! scene.rs    tracks as tips, load and obstacles of a scenario
 //! drawings/   outlines of drawings
+//! import.rs   from files to a checked scenario
 //! ```
 #![forbid(unsafe_code)]
 
 pub mod account;
 pub mod drawings;
+pub mod import;
 pub mod repair;
 pub mod scene;
 pub mod tracks;

@@ -5,13 +5,15 @@ use std::fmt::Display;
 use cohaul::math::{Pose, Vec2};
 use cohaul::model::{Motion, ObstaclePath};
 use cohaul::scenario::{Drive, Findings, Scenario, ScenarioError, TipPath, Waypoint, nearest};
+use serde::Deserialize;
 
 use crate::account::{Account, Kind, Note};
-use crate::repair::{Attachment, Bounds, Limits, attachments, leave_out_jumps, note_noise, smooth, undo_swaps};
+use crate::repair::{Attachment, Bounds, Limits, attachments, leave_out_jumps, note_noise, smooth, smooth_headings, undo_swaps};
 use crate::tracks::{Sample, Track, Tracks};
 
 /// What the tracks are in the scenario.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Roles {
     /// Names of tracks, with the index of the spring on whose tip each is. Without any, tables with
     /// a column `spring` have them, and otherwise as many tracks as springs in their order.
@@ -71,18 +73,26 @@ pub fn scenario(
     undo_swaps(&mut tracks, &limits, account);
     leave_out_jumps(&mut tracks, &limits, account);
     let mut found = attachments(&tracks.tracks, &tracks.frames, &limits, account);
+    // Noise of a path that pushes the load matters as that of a tip does.
+    let n_tips = found.len();
+    found.extend(moved.iter().map(|(_, track)| vec![Attachment { places: track.samples.clone(), release: None }]));
     note_noise(&found, account);
     if let Some(bound) = bounds.smooth {
         smooth(&mut found, bound, account);
     }
+    let paths_of_obstacles = found.split_off(n_tips);
     let mut made = Scenario { name: format!("{}, recorded", like.name), ..like.clone() };
     let end = tracks.end();
     let is_same = matches!(like.drive, Drive::Tips(_)) && (end - like.duration).abs() <= limits.bridge;
     made.duration = if is_same { like.duration } else { end };
     made.start = start(tracks.load.as_ref(), like, &limits, account);
     made.drive = Drive::Tips(indices.iter().zip(&found).flat_map(|(spring, found)| found.iter().map(|one| path(*spring, one))).collect());
-    for (index, track) in moved {
-        move_obstacle(&mut made, index, &track, &limits, account);
+    for ((index, _), mut path) in moved.iter().zip(paths_of_obstacles) {
+        let samples = &mut path[0].places;
+        if let Some(bound) = bounds.smooth {
+            smooth_headings(samples, made.system.world.obstacles[*index].outline.extent(), bound);
+        }
+        move_obstacle(&mut made, *index, samples, &limits, account);
     }
     let scenario = made.expanded().checked(file)?;
     Ok(Imported { scenario, tips: tracks })
@@ -231,19 +241,18 @@ fn add(waypoints: &mut Vec<Waypoint>, point: Waypoint) {
 }
 
 /// Moves an obstacle along a track. Without headings it keeps that of its first pose.
-fn move_obstacle(made: &mut Scenario, index: usize, track: &Track, limits: &Limits, account: &mut Account) {
+fn move_obstacle(made: &mut Scenario, index: usize, samples: &[Sample], limits: &Limits, account: &mut Account) {
     let obstacle = &mut made.system.world.obstacles[index];
     let heading = obstacle.path.pose_at(0.0).heading;
-    let gaps: Vec<(String, f64)> = track
-        .samples
+    let gaps: Vec<(String, f64)> = samples
         .windows(2)
         .filter(|pair| limits.is_gap(pair[0].time, pair[1].time))
         .map(|pair| (obstacle.name.clone(), pair[0].time))
         .collect();
-    let longest = track.samples.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max);
+    let longest = samples.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max);
     let text = "gaps in the path of an obstacle, bridged by a straight line";
     let note = Note::new(Kind::Bridged, gaps.len(), text).sized(Some(longest), None, "s").at(gaps);
     account.add(if longest > limits.bridge { note.warning() } else { note });
     let pose = |sample: &Sample| Pose { position: sample.position, heading: sample.heading.unwrap_or(heading) };
-    obstacle.path = ObstaclePath { waypoints: track.samples.iter().map(|sample| (sample.time, pose(sample))).collect() };
+    obstacle.path = ObstaclePath { waypoints: samples.iter().map(|sample| (sample.time, pose(sample))).collect() };
 }

@@ -5,6 +5,7 @@
 //! losses.rs    lost rows, jitter and swapped names on scenes: no invented release, the same verdict
 //! reports.rs   files as other people have sent them
 //! drawings.rs  outlines against their closed forms, and what is named as not read
+//! robots.rs    three robots in a doorway: the recording that ships, and its verdict
 //! program.rs   the command: faults, files, exit codes
 //! ```
 
@@ -15,13 +16,14 @@ mod draws;
 mod losses;
 mod program;
 mod reports;
+mod robots;
 #[path = "../../common/root.rs"]
 mod root;
 mod samples;
 
 use cohaul::backend::{BackendKind, BackendOptions};
 use cohaul::scenario::{Drive, Scenario, ScenarioError, TipPath};
-use cohaul::simulation::{Keep, Simulation};
+use cohaul::simulation::{Keep, Simulation, Trace};
 use cohaul_recordings::account::Account;
 use cohaul_recordings::repair::Bounds;
 use cohaul_recordings::scene::{Imported, Roles, scenario};
@@ -35,10 +37,18 @@ fn scene(path: &str) -> Scenario {
 
 /// The tips of a quasi-static run of a scene, as `run --tips` writes them.
 fn tips_of(scene: &Scenario) -> String {
-    let mut run = Simulation::new(scene, &BackendOptions::new(BackendKind::QuasiStatic, scene.control_period), Keep::Trace);
+    tips_by(scene, BackendKind::QuasiStatic)
+}
+
+fn trace_by(scene: &Scenario, backend: BackendKind) -> Trace {
+    let mut run = Simulation::new(scene, &BackendOptions::new(backend, scene.control_period), Keep::Trace);
     run.run(|_| true);
+    run.into_results().0
+}
+
+fn tips_by(scene: &Scenario, backend: BackendKind) -> String {
     let mut table = Vec::new();
-    write_tips(&run.into_results().0, &mut table).unwrap();
+    write_tips(&trace_by(scene, backend), &mut table).unwrap();
     String::from_utf8(table).unwrap()
 }
 

@@ -10,17 +10,16 @@ use clap::Args;
 use super::choice::{choice, not_negative, positive, seconds};
 use super::console::{self, print};
 use super::error::{CliError, at_file, at_output};
-use super::input::{name_of, read_scenario, warn_of_scenario};
+use super::input::{name_of, warn_of_scenario};
 use super::output::scenario_json;
 use cohaul::formats::stamped;
-use cohaul::scenario::format::ScenarioFile;
-use cohaul::scenario::{Scenario, bounded, cut, is_in_range};
+use cohaul::scenario::{Scenario, bounded, is_in_range};
 use cohaul_recordings::account::Account;
-use cohaul_recordings::drawings::{DrawingFormat, DrawingOptions, into_scenario, repaired};
+use cohaul_recordings::import::Asked;
 use cohaul_recordings::repair::Bounds;
-use cohaul_recordings::scene::{Imported, Roles, scenario};
+use cohaul_recordings::scene::Roles;
 use cohaul_recordings::tracks::export::{write_tips, write_tracks};
-use cohaul_recordings::tracks::{Reading, TrackFormat, Tracks, Units, read};
+use cohaul_recordings::tracks::{Reading, TrackFormat, Tracks, Units};
 use cohaul_report::json;
 use cohaul_report::lines::TableError;
 use cohaul_report::sibling::write_whole;
@@ -154,66 +153,17 @@ fn pair<T: std::str::FromStr>(text: &str) -> Result<(String, T), String> {
 pub fn import(args: &ImportArgs) -> Result<ExitCode, CliError> {
     let contents = args.files.iter().map(|path| read_bytes(path)).collect::<Result<Vec<_>, _>>()?;
     let names: Vec<String> = args.files.iter().map(|path| name_of(path)).collect();
-    let mut account = Account::default();
-    let drawing = DrawingFormat::of(&names[0], &contents[0]).filter(|_| args.format.is_none());
-    let made = match (&args.like, drawing) {
-        (Some(like), Some(format)) => {
-            one_file(args)?;
-            drawn((&names[0], &contents[0]), format, like, args, &mut account)?
-        }
-        (None, None) if contents[0].trim_ascii_start().starts_with(b"{") => {
-            one_file(args)?;
-            repaired(&names[0], scenario_file(&names[0], &contents[0])?, &mut account)?.checked(&names[0])?
-        }
-        (None, _) => return Err(CliError::Usage("--like: is required, the scenario with the ground and the springs".to_owned())),
-        (Some(like), None) => recorded(&names, &contents, like, args, &mut account)?,
-    };
-    let name = args.name.clone().unwrap_or(made.name.clone());
-    let made = Scenario { name, duration: args.duration_s.unwrap_or(made.duration), ..made };
-    let made = made.expanded().checked(&names[0])?;
-    finish(args, &made, &account)
-}
-
-fn one_file(args: &ImportArgs) -> Result<(), CliError> {
-    match args.files.len() {
-        1 => Ok(()),
-        n => Err(CliError::Usage(format!("FILE: must be one drawing or scenario, found {n} files"))),
+    let files: Vec<Reading> = names.iter().zip(&contents).map(|(file, bytes)| Reading { file, bytes }).collect();
+    let like = args.like.as_deref().map(|path| Ok::<_, CliError>((name_of(path), read_bytes(path)?))).transpose()?;
+    let like = like.as_ref().map(|(file, bytes)| Reading { file, bytes });
+    let found = cohaul_recordings::import::import(&files, like, &args.asked())?;
+    if let (Some(path), Some(tracks)) = (&args.tracks, &found.tracks) {
+        write(path, |file| write_tracks(tracks, file))?;
     }
-}
-
-/// A scenario as it stands in its file, which may break rules.
-fn scenario_file(name: &str, bytes: &[u8]) -> Result<ScenarioFile, CliError> {
-    let fault = |error: serde_json::Error| CliError::Usage(format!("{name}: must be a scenario: {}", cut(error.to_string(), 500)));
-    serde_json::from_slice(bytes).map_err(fault)
-}
-
-/// The scenario `like` with the outline of a drawing.
-fn drawn(
-    (name, bytes): (&str, &[u8]),
-    format: DrawingFormat,
-    like: &Path,
-    args: &ImportArgs,
-    account: &mut Account,
-) -> Result<Scenario, CliError> {
-    let DrawingArgs { tolerance_m, body, y_up, onto } = &args.drawing;
-    let options = DrawingOptions { scale: args.units.scale_m, tolerance: *tolerance_m, body: body.as_deref(), y_up: *y_up };
-    let like = scenario_file(&name_of(like), &read_bytes(like)?)?;
-    Ok(into_scenario(name, bytes, format, &options, (like, onto.as_deref()), account)?.checked(name)?)
-}
-
-/// The tracks of all files on the scenario `like`.
-fn recorded(names: &[String], contents: &[Vec<u8>], like: &Path, args: &ImportArgs, account: &mut Account) -> Result<Scenario, CliError> {
-    let like = read_scenario(like, None)?;
-    let files: Vec<Reading> = names.iter().zip(contents).map(|(file, bytes)| Reading { file, bytes }).collect();
-    let tracks = read(&files, args.format, &args.units.given(), account)?;
-    if let Some(path) = &args.tracks {
-        write(path, |file| write_tracks(&tracks, file))?;
+    if let (Some(path), Some(tips)) = (&args.tips, &found.tips) {
+        export_tips(path, tips)?;
     }
-    let Imported { scenario: made, tips } = scenario(tracks, &args.roles.given(), &args.bounds.given(), &like, &names[0], account)?;
-    if let Some(path) = &args.tips {
-        export_tips(path, &tips)?;
-    }
-    Ok(made)
+    finish(args, &found.scenario, &found.account)
 }
 
 /// Writes or prints the scenario and what was done.
@@ -275,28 +225,28 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
     Ok(bytes)
 }
 
-impl UnitArgs {
-    fn given(&self) -> Units {
-        Units {
-            fps: self.fps,
-            scale: self.scale_m,
-            y_down: self.y.as_ref().map(|y| y == "down"),
-            degrees: self.headings.as_ref().map(|unit| unit == "degrees"),
-            min_confidence: self.min_confidence,
-            start: self.start_s,
-            origin: self.origin_m.as_ref().map(|origin| [origin[0], origin[1]]),
+impl ImportArgs {
+    fn asked(&self) -> Asked {
+        let (units, drawing) = (&self.units, &self.drawing);
+        Asked {
+            format: self.format,
+            name: self.name.clone(),
+            duration_s: self.duration_s,
+            units: Units {
+                fps: units.fps,
+                scale: units.scale_m,
+                y_down: units.y.as_ref().map(|y| y == "down"),
+                degrees: units.headings.as_ref().map(|unit| unit == "degrees"),
+                min_confidence: units.min_confidence,
+                start: units.start_s,
+                origin: units.origin_m.as_ref().map(|origin| [origin[0], origin[1]]),
+            },
+            bounds: Bounds { bridge: self.bounds.bridge_s, jump: self.bounds.max_jump_m, smooth: self.bounds.smooth_m },
+            roles: Roles { springs: self.roles.spring.clone(), load: self.roles.load.clone(), obstacles: self.roles.obstacle.clone() },
+            tolerance_m: drawing.tolerance_m,
+            body: drawing.body.clone(),
+            y_up: drawing.y_up,
+            onto: drawing.onto.clone(),
         }
-    }
-}
-
-impl BoundArgs {
-    fn given(&self) -> Bounds {
-        Bounds { bridge: self.bridge_s, jump: self.max_jump_m, smooth: self.smooth_m }
-    }
-}
-
-impl RoleArgs {
-    fn given(&self) -> Roles {
-        Roles { springs: self.spring.clone(), load: self.load.clone(), obstacles: self.obstacle.clone() }
     }
 }

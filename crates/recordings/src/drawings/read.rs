@@ -196,7 +196,7 @@ pub fn into_scenario(
             let known = made.obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect::<Vec<_>>().join(", ");
             let Some(found) = made.obstacles.iter_mut().find(|obstacle| obstacle.name == name) else {
                 let mut findings = Findings::default();
-                findings.report("--obstacle", format!("must name an obstacle of the scenario, {known}"), name);
+                findings.report("--onto", format!("must name an obstacle of the scenario, {known}"), name);
                 return Err(ScenarioError::Invalid { file: file.to_owned(), findings: findings.0 });
             };
             found.outline = entry;

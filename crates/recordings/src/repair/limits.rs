@@ -1,9 +1,12 @@
 //! Bounds of what is repaired, and their defaults.
 
+use serde::Deserialize;
+
 use crate::tracks::{Sample, Tracks};
 
 /// Bounds as they are asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Bounds {
     /// Longest time between two places of a tip that is bridged (s). A longer one is a release.
     pub bridge: Option<f64>,

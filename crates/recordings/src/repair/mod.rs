@@ -17,5 +17,5 @@ mod swaps;
 pub use attachments::{Attachment, attachments};
 pub use jumps::leave_out_jumps;
 pub use limits::{Bounds, Limits};
-pub use smooth::{note_noise, smooth};
+pub use smooth::{note_noise, smooth, smooth_headings};
 pub use swaps::undo_swaps;

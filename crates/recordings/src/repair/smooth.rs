@@ -18,12 +18,13 @@ const WEIGHTS: [f64; 2] = [-4.0, 9.0];
 const HALVINGS: usize = 12;
 
 /// Moves the places of each attachment onto the smoothest path that is nowhere farther than `bound`
-/// (m) from them.
+/// (m) from them. Headings stay.
 pub fn smooth(all: &mut [Vec<Attachment>], bound: f64, account: &mut Account) {
     let (mut n, mut largest) = (0, 0.0);
     for attachment in all.iter_mut().flatten().filter(|attachment| attachment.places.len() > 2) {
         stop::point();
-        let found = smoothest(&attachment.places, bound);
+        let raw: Vec<Vec2> = attachment.places.iter().map(|place| place.position).collect();
+        let found = smoothest(&attachment.places, &raw, bound);
         for (place, position) in attachment.places.iter_mut().zip(found) {
             largest = f64::max(largest, (place.position - position).norm());
             place.position = position;
@@ -36,18 +37,29 @@ pub fn smooth(all: &mut [Vec<Attachment>], bound: f64, account: &mut Account) {
     account.add(Note::new(Kind::Smoothed, n, "places smoothed by penalised least squares").sized(Some(largest), Some(bound), "m"));
 }
 
-fn smoothest(places: &[Sample], bound: f64) -> Vec<Vec2> {
-    let raw: Vec<Vec2> = places.iter().map(|place| place.position).collect();
-    let is_within = |found: &[Vec2]| found.iter().zip(&raw).all(|(a, b)| (a - b).norm() <= bound);
+/// Turns the headings of an obstacle onto the smoothest path that is nowhere farther than `bound`
+/// (m) from them at its `radius` (m), if all places have headings.
+pub fn smooth_headings(places: &mut [Sample], radius: f64, bound: f64) {
+    let raw: Option<Vec<Vec2>> = places.iter().map(|place| Some(Vec2::new(radius * place.heading?, 0.0))).collect();
+    let Some(raw) = raw.filter(|raw| raw.len() > 2 && radius > 0.0) else { return };
+    let found = smoothest(places, &raw, bound);
+    for (place, found) in places.iter_mut().zip(found) {
+        place.heading = Some(found.x / radius);
+    }
+}
+
+/// The smoothest path through `raw`, at the times of `places`.
+fn smoothest(places: &[Sample], raw: &[Vec2], bound: f64) -> Vec<Vec2> {
+    let is_within = |found: &[Vec2]| found.iter().zip(raw).all(|(a, b)| (a - b).norm() <= bound);
     let [mut low, mut high] = WEIGHTS;
-    let straight = smoothed(places, &raw, 10_f64.powf(high));
+    let straight = smoothed(places, raw, 10_f64.powf(high));
     if is_within(&straight) {
         return straight;
     }
-    let mut best = raw.clone();
+    let mut best = raw.to_vec();
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        let found = smoothed(places, &raw, 10_f64.powf(middle));
+        let found = smoothed(places, raw, 10_f64.powf(middle));
         if is_within(&found) {
             (low, best) = (middle, found);
         } else {

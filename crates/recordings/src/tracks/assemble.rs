@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use cohaul::math::Vec2;
 use cohaul::scenario::{Findings, ScenarioError};
 use cohaul::stop;
+use serde::Deserialize;
 
 use super::cells::Cells;
 use super::format::TrackFormat;
@@ -14,7 +15,8 @@ use super::{deeplabcut, table};
 use crate::account::{Account, Kind, Note};
 
 /// Units of a recording, where the files do not state them or are wrong.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Units {
     /// Frames per second of the camera (1/s).
     pub fps: Option<f64>,

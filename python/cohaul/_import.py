@@ -1,0 +1,143 @@
+"""Scenarios from recordings and drawings."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Mapping, Sequence
+
+from . import _native
+from ._options import as_json, number, text
+from ._scenario import Scenario, Source
+
+
+class Import:
+    """A scenario that was imported, and an account of what was done."""
+
+    def __init__(self, found: _native.Import) -> None:
+        self.scenario = Scenario(json.loads(found.scenario))
+        """The scenario."""
+        self.account: dict[str, Any] = json.loads(found.json())
+        """What ``cohaul scenario import --json`` prints: each kind of change with its number, its
+        largest size and its bound."""
+        self.tracks_csv = found.tracks
+        """All tracks in SI units as CSV, which can be imported again; ``None`` for a drawing."""
+        self.tips_csv = found.tips
+        """Tips and load as CSV, which ``cohaul calibrate`` reads; ``None`` for a drawing."""
+        self._text = found.text()
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"<Import of {', '.join(self.account['files'])}: {self.scenario!r}>"
+
+
+def import_scenario(
+    files: Any,
+    like: Source | None = None,
+    *,
+    format: str | None = None,
+    name: str | None = None,
+    duration_s: float | None = None,
+    fps: float | None = None,
+    scale_m: float | None = None,
+    y: str | None = None,
+    headings: str | None = None,
+    min_confidence: float | None = None,
+    start_s: float | None = None,
+    origin_m: Sequence[float] | None = None,
+    bridge_s: float | None = None,
+    max_jump_m: float | None = None,
+    smooth_m: float | None = None,
+    spring: Mapping[str, int] | None = None,
+    load: str | Sequence[str] | None = None,
+    obstacle: Mapping[str, str] | None = None,
+    tolerance_m: float | None = None,
+    body: str | None = None,
+    y_up: bool = False,
+    onto: str | None = None,
+) -> Import:
+    """Makes a scenario of tracks or of a drawing, as ``cohaul scenario import`` does.
+
+    :param files: a file of tracks or a drawing, a list of files of tracks, or a data frame with
+        ``to_csv``; or a scenario file whose outlines break a rule, without ``like``
+    :param like: scenario with the load, the ground, the springs and the obstacles
+    :param format: program that has written the tracks, as ``'deeplabcut'``; the default is told by
+        their first lines
+    :param fps: frames per second, where the files count frames
+    :param scale_m: length of a pixel, or of a unit without a name (m)
+    :param y: direction of the y axis, ``'up'`` or ``'down'``
+    :param headings: unit of headings, ``'radians'`` or ``'degrees'``
+    :param min_confidence: smallest confidence of a place that counts, from 0 to 1
+    :param start_s: time of the files that becomes 0 (s)
+    :param origin_m: place of the recording that becomes the origin (m, y up)
+    :param bridge_s: longest gap in which a tip stays attached (s)
+    :param max_jump_m: longest step from frame to frame (m)
+    :param smooth_m: largest distance by which a tip is moved by smoothing (m)
+    :param spring: index of the spring on whose tip a track is, by the name of the track
+    :param load: the track of the load, or two marks, rear and front
+    :param obstacle: name of the obstacle that a track moves, by the name of the track
+    :param tolerance_m: largest distance of straight lines from a curve of a drawing (m)
+    :param body: body of an MJCF model
+    :param y_up: take the y axis of an OBJ mesh for up, not z
+    :param onto: obstacle that gets the outline of a drawing, in place of the load
+
+    Raises :class:`ScenarioError` with every fault, or ``OSError`` if a file cannot be read.
+
+    >>> found = import_scenario("examples/recordings/table.csv", "examples/recordings/ants.json", fps=50)
+    >>> found.scenario.drive, found.account["source"]
+    ('tips', 'table')
+    """
+    marks = [load] if isinstance(load, str) else list(load or [])
+    units = {
+        "fps": number("fps", fps),
+        "scale": number("scale_m", scale_m),
+        "y_down": _choice("y", y, ("up", "down")),
+        "degrees": _choice("headings", headings, ("radians", "degrees")),
+        "min_confidence": number("min_confidence", min_confidence, positive=False),
+        "start": number("start_s", start_s, positive=False),
+        "origin": None if origin_m is None else [number("origin_m", one, positive=False) for one in origin_m],
+    }
+    asked = {
+        "format": text("format", format),
+        "name": text("name", name),
+        "duration_s": number("duration_s", duration_s),
+        "units": units,
+        "bounds": {
+            "bridge": 0.0 if bridge_s == 0 else number("bridge_s", bridge_s),
+            "jump": number("max_jump_m", max_jump_m),
+            "smooth": number("smooth_m", smooth_m),
+        },
+        "roles": {"springs": list((spring or {}).items()), "load": marks, "obstacles": list((obstacle or {}).items())},
+        "tolerance_m": number("tolerance_m", tolerance_m),
+        "body": text("body", body),
+        "y_up": bool(y_up),
+        "onto": text("onto", onto),
+    }
+    return Import(_native.import_scenario(_contents(files), None if like is None else _like(like), as_json(asked)))
+
+
+def _choice(path: str, value: str | None, words: tuple[str, str]) -> bool | None:
+    """Whether the value is the second word."""
+    if value is not None and value not in words:
+        raise ValueError(f"{path}: must be {words[0]!r} or {words[1]!r}, found {value!r}")
+    return None if value is None else value == words[1]
+
+
+def _contents(files: Any) -> list[tuple[str, bytes]]:
+    """Name and content of each file."""
+    if hasattr(files, "to_csv"):
+        return [("data frame", files.to_csv(index=False).encode())]
+    paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    return [(os.fspath(path), Path(path).read_bytes()) for path in paths]
+
+
+def _like(source: Source) -> tuple[str, bytes]:
+    """A scenario as text, which may break rules where a drawing replaces an outline."""
+    if isinstance(source, Mapping):
+        return "like", as_json(dict(source)).encode()
+    if isinstance(source, Scenario):
+        return source.name, as_json(source.to_dict()).encode()
+    return os.fspath(source), Path(source).read_bytes()
