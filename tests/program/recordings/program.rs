@@ -1,7 +1,7 @@
 //! The command: what it prints and writes, its faults and its exit codes.
 
 use cohaul::scenario::Scenario;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::root;
 
@@ -114,4 +114,28 @@ fn a_long_recording_gives_no_warnings_of_tips_far_away() {
         import(&[&[file.to_str().unwrap(), "--out", room.path().join("m.json").to_str().unwrap()][..], &LIKE].concat());
     assert!(code == Some(0) && printed.contains("releases inferred"), "{printed}");
     assert!(!error.contains("should be near the tip"), "{error}");
+}
+
+/// A run names the command that puts an outline right, and that does.
+#[test]
+fn a_closed_ring_is_refused_with_the_command_that_puts_it_right() {
+    let room = tempfile::tempdir().unwrap();
+    let [ring, right] = ["ring.json", "right.json"].map(|name| room.path().join(name).to_str().unwrap().to_owned());
+    let corners = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.1], [0.0, 0.1], [0.0, 0.0]];
+    let scene = json!({
+        "name": "a closed ring",
+        "duration_s": 1.0,
+        "control_period_s": 0.01,
+        "load": { "mass_kg": 1.0, "outline": { "polygon": { "points_m": corners } } },
+        "ground": { "friction_coefficient": 0.3, "supports": { "uniform": { "n": 16 } } },
+        "springs": [],
+        "drive": { "kind": "tips", "paths": [] },
+    });
+    std::fs::write(&ring, scene.to_string()).unwrap();
+    let check = |file: &str| crate::root::cohaul().args(["scenario", "check", file]).output().unwrap();
+    let error = String::from_utf8(check(&ring).stderr).unwrap();
+    assert!(error.contains(&format!("`cohaul scenario import {ring} --out right.json`")), "{error}");
+    let (_, error, code) = import(&[&ring, "--out", &right]);
+    assert!(code == Some(0), "{error}");
+    assert!(check(&right).status.success(), "{}", String::from_utf8_lossy(&check(&right).stderr));
 }

@@ -12,6 +12,7 @@ use anstyle::{AnsiColor, Style};
 use clap::Args;
 
 use super::error::CliError;
+use cohaul::scenario::ScenarioError;
 use cohaul::simulation::Health;
 use cohaul_report::text::Detail;
 
@@ -129,6 +130,16 @@ pub fn print_answer(text: &str, tone: Tone) -> Result<(), CliError> {
 /// Prints an error, which no option silences.
 pub fn error(text: impl Display) {
     say("error: ", Tone::Bad, text);
+}
+
+/// Prints an error, and the command that puts a scenario right of which only the load's outline breaks
+/// rules.
+pub fn fault(fault: &CliError) {
+    error(fault);
+    let CliError::Scenario(ScenarioError::Invalid { file, findings }) = fault else { return };
+    if findings.iter().all(|finding| finding.path.starts_with("load.outline")) {
+        note(format_args!("`cohaul scenario import {file} --out right.json` puts such outlines right"));
+    }
 }
 
 pub fn warn(text: impl Display) {

@@ -175,7 +175,7 @@ fn ended(error: &CliError) -> ExitCode {
         // A reader that has seen enough, such as `head`, needs no message.
         Exit::Closed => {}
         Exit::Interrupted => console::note(error),
-        _ => console::error(error),
+        _ => console::fault(error),
     }
     if exit == Exit::Internal {
         internal::ask_for_report();

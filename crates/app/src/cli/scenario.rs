@@ -175,7 +175,7 @@ fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
             Err(error) => {
                 let faults = if let CliError::Scenario(error) = &error { error.findings().to_vec() } else { Vec::new() };
                 all.push(Checked { file, error: Some(error.to_string()), faults, ..Checked::default() });
-                console::error(error);
+                console::fault(&error);
                 code = ExitCode::from(2);
             }
         }
