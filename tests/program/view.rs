@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 
 use cohaul::backend::BackendKind;
 use cohaul::math::Vec2;
-use cohaul::scenario::Scenario;
+use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation};
-use cohaul_app::live::{Edit, Handle, Lanes, LiveScene, Reach, Span};
+use cohaul_app::live::{Edit, Handle, Lanes, LiveScene, Pull, Reach, Span};
 use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
@@ -40,6 +40,9 @@ fn poses(lanes: &Lanes) -> Vec<[f64; 3]> {
     lanes.motions().map(|motion| [motion.pose.position.x, motion.pose.position.y, motion.pose.heading]).collect()
 }
 
+/// How fast what is dragged follows the hand at a pace of 1 (1/s).
+const RATE: f64 = 12.0;
+
 /// Drags a handle along a circle from the time `from` (s) on, as a page does: runs of some ticks,
 /// with a new aim before each. Returns the scene and the poses that were shown last.
 fn dragged(mut scene: LiveScene, handle: Handle, from: f64, centre: Vec2, radius: f64) -> (LiveScene, Vec<[f64; 3]>, f64) {
@@ -59,9 +62,9 @@ fn dragged(mut scene: LiveScene, handle: Handle, from: f64, centre: Vec2, radius
         let n = 1 + 2 * u64::from(step % 3 == 0);
         let span = Span { from: tick as f64 * period, to: (tick + n) as f64 * period };
         let angle = 0.01 * f64::from(step);
-        let to = centre + radius * Vec2::new(angle.cos(), angle.sin());
+        let pull = Pull { to: centre + radius * Vec2::new(angle.cos(), angle.sin()), rate: RATE };
         let now = span.from;
-        let reach = scene.apply(&Edit::Drag { handle, to, span, rest_tip: tip }, now).unwrap();
+        let reach = scene.apply(&Edit::Drag { handle, pull, span, rest_tip: tip }, now).unwrap();
         let mut lanes = match reach {
             Reach::Future => Lanes::resume(&scene, &saved).unwrap(),
             Reach::Whole => Lanes::new(&scene),
@@ -104,6 +107,100 @@ fn the_saved_scenario_of_a_drag_gives_the_same_path() {
     }
 }
 
+/// Times and places of what a handle moves (s, m).
+fn path_of(scenario: &Scenario, handle: Handle) -> Vec<(f64, Vec2)> {
+    match (handle, &scenario.drive) {
+        (Handle::Spring(spring), Drive::Tips(paths)) => {
+            let path = paths.iter().find(|path| path.spring == spring).unwrap();
+            path.waypoints.iter().map(|at| (at.time, at.position)).collect()
+        }
+        (Handle::Pusher(number), _) => {
+            let path = &scenario.system.world.obstacles[number].path;
+            path.waypoints.iter().map(|(time, pose)| (*time, pose.position)).collect()
+        }
+        _ => panic!("ants move the tips"),
+    }
+}
+
+/// A hand moves steadily, and its place comes to the page now after one frame, now after five. What
+/// it drags has the speed of the hand within a tenth, once it follows, and is behind it by
+/// 2 v / rate, the steady solution of a critically damped spring.
+#[test]
+fn a_steady_hand_gives_a_steady_tip() {
+    let (speed, frame) = (0.28, 1.0 / 60.0);
+    for (name, handle) in [("robots/tow-past-corner", Handle::Spring(0)), ("robots/two-fingers", Handle::Pusher(0))] {
+        let mut scene = scene(name);
+        let period = scene.scenario.control_period;
+        let start = path_of(&scene.scenario, handle)[0].1;
+        let hand = |time: f64| start + speed * time * Vec2::new(0.6, -0.8);
+        let (mut tick, mut to) = (0, start);
+        let mut next_report = 0;
+        for n in 0..180 {
+            if n == next_report {
+                to = hand(f64::from(n) * frame);
+                next_report += if n % 2 == 0 { 1 } else { 5 };
+            }
+            let until = (f64::from(n + 1) * frame / period) as u32;
+            let span = Span { from: f64::from(tick) * period, to: f64::from(until) * period };
+            if until > tick {
+                scene.apply(&Edit::Drag { handle, pull: Pull { to, rate: RATE }, span, rest_tip: start }, span.from).unwrap();
+            }
+            tick = until;
+        }
+        let path = path_of(&scene.scenario, handle);
+        let speeds = path.windows(2).filter(|pair| pair[0].0 > 1.0).map(|pair| (pair[1].1 - pair[0].1).norm() / (pair[1].0 - pair[0].0));
+        let speeds: Vec<f64> = speeds.collect();
+        assert!(speeds.len() > 50, "{name}");
+        assert!(speeds.iter().all(|found| (found / speed - 1.0).abs() < 0.1), "{name}: {speeds:?}");
+        let (time, place) = path[path.len() - 1];
+        // A hand that was heard of five frames ago is further on by up to 5 / 60 s.
+        let behind = (hand(time) - place).norm() / speed - 2.0 / RATE;
+        assert!((-0.02..0.1).contains(&behind), "{name}: {behind} s");
+    }
+}
+
+/// The list of scenes holds all files of `scenarios/`, and each can be opened.
+#[test]
+fn all_scenes_are_in_the_list() {
+    let mut scene = scene("analytic/slide");
+    let folders = std::fs::read_dir(root::root().join("scenarios")).unwrap().map(|entry| entry.unwrap().path());
+    let files = folders.filter(|path| path.is_dir()).flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    let name = |path: std::path::PathBuf| {
+        let folder = path.parent().unwrap().file_name().unwrap().to_str().unwrap().to_owned();
+        format!("{folder}/{}", path.file_stem().unwrap().to_str().unwrap())
+    };
+    let mut names: Vec<String> = files.map(|entry| name(entry.unwrap().path())).collect();
+    let mut listed = scene.now().shipped;
+    names.sort_unstable();
+    listed.sort_unstable();
+    assert_eq!(listed, names);
+    for name in &names {
+        assert_eq!(scene.apply(&Edit::Shipped { name: name.clone() }, 0.0), Ok(Reach::Whole), "{name}");
+    }
+}
+
+/// A saved state holds the scene as it was opened too: sliders reach as far as before, and ants
+/// that were off can be switched on.
+#[test]
+fn a_saved_state_opens_with_its_sliders_and_its_ants() {
+    let mut first = scene("paper/four-ants-four-springs");
+    first.apply(&Edit::Set { what: "inertia".to_owned(), value: 10.0 }, 0.0).unwrap();
+    first.apply(&Edit::Ants { on: false }, 0.0).unwrap();
+    let text = serde_json::to_string(&first.saved(0.5)).unwrap();
+    let mut second = scene("analytic/slide");
+    second.apply(&Edit::Open(Box::new(serde_json::from_str(&text).unwrap())), 0.0).unwrap();
+    assert_eq!(second.now().parameters, first.now().parameters);
+    assert_eq!(second.saved(0.5), first.saved(0.5));
+    for scene in [&mut first, &mut second] {
+        scene.apply(&Edit::Ants { on: true }, 0.0).unwrap();
+    }
+    assert_eq!(second.scenario, first.scenario);
+    let mut saved: Value = serde_json::from_str(&text).unwrap();
+    saved["speed"] = json!(0);
+    let refused = second.apply(&Edit::Open(Box::new(serde_json::from_value(saved).unwrap())), 0.0).unwrap_err();
+    assert!(refused.contains("saved.speed: must be finite and above 0, found 0"), "{refused}");
+}
+
 /// Ants that are switched off leave their tips as they were: the quasi-static load is where it was.
 #[test]
 fn ants_that_are_switched_off_become_prescribed_tips() {
@@ -135,13 +232,14 @@ fn changes_that_break_a_rule_change_nothing() {
     let mut scene = scene("analytic/release-jump");
     let before = scene.clone();
     let span = Span { from: 0.0, to: 0.01 };
+    let [pull, far] = [Vec2::zeros(), Vec2::new(f64::INFINITY, 0.0)].map(|to| Pull { to, rate: RATE });
     let edits = [
         (Edit::Set { what: "mass".into(), value: f64::NAN }, "mass: must be from"),
         (Edit::Set { what: "mass".into(), value: 1e9 }, "mass: must be from"),
         (Edit::Set { what: "colour".into(), value: 1.0 }, "no parameter \"colour\""),
-        (Edit::Drag { handle: Handle::Spring(9), to: Vec2::zeros(), span, rest_tip: Vec2::zeros() }, "spring: must be below 2, found 9"),
-        (Edit::Drag { handle: Handle::Pusher(0), to: Vec2::zeros(), span, rest_tip: Vec2::zeros() }, "must be an obstacle that moves"),
-        (Edit::Drag { handle: Handle::Spring(0), to: Vec2::new(f64::INFINITY, 0.0), span, rest_tip: Vec2::zeros() }, "a finite place"),
+        (Edit::Drag { handle: Handle::Spring(9), pull, span, rest_tip: Vec2::zeros() }, "spring: must be below 2, found 9"),
+        (Edit::Drag { handle: Handle::Pusher(0), pull, span, rest_tip: Vec2::zeros() }, "must be an obstacle that moves"),
+        (Edit::Drag { handle: Handle::Spring(0), pull: far, span, rest_tip: Vec2::zeros() }, "a finite place"),
         (Edit::Shipped { name: "../secret".into() }, "no scene"),
         (Edit::Ants { on: true }, "this scene has none"),
     ];
@@ -398,6 +496,56 @@ fn a_page_that_is_closed_in_the_midst_of_a_control_period_ends_it() {
     drop(page);
     std::thread::sleep(Duration::from_millis(200));
     assert!((0..10).any(|_| used(Duration::from_millis(500)) < 0.05), "computing goes on");
+}
+
+/// The estimate comes first, then how far the comparison is, then the verdict.
+#[test]
+fn the_estimate_comes_before_the_verdict() {
+    let served = Served::start("scenarios/analytic/release-jump.json");
+    let mut page = served.page();
+    let estimate = told(&mut page, "estimate");
+    assert_eq!(estimate["negligible"], "no", "{estimate}");
+    let mut shares = Vec::new();
+    let verdict = loop {
+        let Message::Text(text) = page.read().unwrap() else { continue };
+        let message: Value = serde_json::from_str(&text).unwrap();
+        match message["tell"].as_str() {
+            Some("comparing") => shares.push(message["share"].as_f64().unwrap()),
+            Some("verdict") => break message,
+            _ => {}
+        }
+    };
+    assert_eq!(verdict["valid"], "no", "{verdict}");
+    assert!(!shares.is_empty() && shares.is_sorted() && shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
+}
+
+/// A server that ends says so to its pages.
+#[cfg(unix)]
+#[test]
+fn a_page_hears_why_it_is_closed() {
+    let mut served = Served::start("scenarios/analytic/release-jump.json");
+    let mut page = served.page();
+    told(&mut page, "scene");
+    assert!(std::process::Command::new("kill").args(["-INT", &served.child.id().to_string()]).status().unwrap().success());
+    let why = loop {
+        if let Message::Close(why) = page.read().unwrap() {
+            break why.expect("a reason");
+        }
+    };
+    assert_eq!((u16::from(why.code), why.reason.as_str()), (1001, "the server has ended"));
+    assert!(served.child.wait().is_ok());
+}
+
+/// A request whose head does not end is not waited for.
+#[test]
+fn half_a_request_is_closed() {
+    let served = Served::start("scenarios/analytic/release-jump.json");
+    let mut stream = TcpStream::connect(&served.host).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    write!(stream, "GET / HTTP/1.1\r\nHost: {}\r\nX-", served.host).unwrap();
+    let mut reply = Vec::new();
+    stream.read_to_end(&mut reply).expect("the server closes the connection");
+    assert!(!reply.starts_with(b"HTTP/1.1 200"), "{reply:?}");
 }
 
 /// A page that draws no more, as one that is hidden, is sent a few frames and no others.

@@ -38,21 +38,22 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 const BUDGETS: [(&str, usize); 7] = [
     ("src", 40_170),
     ("crates/engines/src", 1_120),
-    ("crates/report/src", 8_770),
+    ("crates/report/src", 8_785),
     ("crates/studies/src", 24_150),
     ("crates/paper/src", 11_190),
     // The readers of twelve formats and of what is wrong with them.
     ("crates/recordings/src", 3_790),
-    ("crates/app/src", 7_890),
+    ("crates/app/src", 8_260),
 ];
 
 /// Beginnings of the names of crates, and the places in which these may be used.
-const FENCES: [(&str, &[&str]); 11] = [
+const FENCES: [(&str, &[&str]); 12] = [
     ("usvg", &["crates/recordings/src/drawings/svg.rs"]),
     ("i_overlay", &["crates/recordings/src/drawings/outline.rs"]),
     ("kurbo", &["crates/recordings/src/drawings/"]),
     ("tiny_skia", &["crates/report/src/picture/pen.rs"]),
     ("axum", &["crates/app/src/live/server.rs"]),
+    ("hyper_util", &["crates/app/src/live/server.rs"]),
     ("tokio", &["crates/app/src/live/server.rs"]),
     ("clap", &["crates/app/src/cli/"]),
     ("clarabel", &["src/backend/friction/clarabel.rs"]),

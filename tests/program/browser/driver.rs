@@ -100,6 +100,29 @@ impl Browser {
         self.post("actions", &json!({ "actions": [{ "type": "pointer", "id": "mouse", "actions": steps }] }));
     }
 
+    /// Moves a finger from one place to another on the glass.
+    pub fn swipe(&self, from: [f64; 2], to: [f64; 2]) {
+        let move_to = |[x, y]: [f64; 2], ms: u32| json!({ "type": "pointerMove", "duration": ms, "x": x as i64, "y": y as i64 });
+        let touch = |what: &str| json!({ "type": what, "button": 0 });
+        let steps = [move_to(from, 0), touch("pointerDown"), move_to(to, 300), touch("pointerUp")];
+        let finger = json!({ "type": "pointer", "id": "finger", "parameters": { "pointerType": "touch" }, "actions": steps });
+        self.post("actions", &json!({ "actions": [finger] }));
+    }
+
+    /// A phone of this size (px), with a finger.
+    pub fn phone(&self, width: u32, height: u32) {
+        self.devtools(
+            "Emulation.setDeviceMetricsOverride",
+            &json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": true }),
+        );
+        self.finger();
+    }
+
+    /// A screen that feels a finger.
+    pub fn finger(&self) {
+        self.devtools("Emulation.setTouchEmulationEnabled", &json!({ "enabled": true }));
+    }
+
     /// Turns the wheel by so many px with the mouse at a place.
     pub fn wheel(&self, [x, y]: [f64; 2], by: i64) {
         let turn = json!({ "type": "scroll", "x": x as i64, "y": y as i64, "deltaX": 0, "deltaY": by });

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 
 use serde_json::Value;
@@ -11,13 +11,13 @@ use tempfile::tempdir;
 use crate::driver::Browser;
 
 /// `cohaul view` as a child; it ends with this.
-struct Served {
+pub struct Served {
     child: Child,
-    link: String,
+    pub link: String,
 }
 
 impl Served {
-    fn start(scenario: &Path) -> Self {
+    pub fn start(scenario: &Path) -> Self {
         let mut command = crate::root::cohaul();
         let mut child = command.arg("view").arg(scenario).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut link = String::new();
@@ -36,38 +36,38 @@ impl Drop for Served {
 const BACKENDS: [&str; 3] = ["quasi-static", "inertial", "rapier"];
 
 /// What the drawing says of itself.
-fn shown(browser: &Browser, what: &str) -> Value {
+pub fn shown(browser: &Browser, what: &str) -> Value {
     let text = browser.run(&format!("return document.querySelector('.replay canvas')?.dataset.{what} ?? ''"));
     serde_json::from_str(text.as_str().unwrap()).unwrap_or(text)
 }
 
-fn time(browser: &Browser) -> f64 {
+pub fn time(browser: &Browser) -> f64 {
     shown(browser, "time").as_f64().unwrap()
 }
 
-fn click(browser: &Browser, name: &str) {
-    browser.run(&format!("[...document.querySelectorAll('.live button')].find((it) => it.textContent === '{name}').click()"));
+pub fn click(browser: &Browser, name: &str) {
+    browser.run(&format!("[...document.querySelectorAll('button')].find((it) => it.textContent === '{name}').click()"));
 }
 
 /// Moves a slider to a share of its way (1/1000).
-fn slide(browser: &Browser, key: &str, to: u32) {
+pub fn slide(browser: &Browser, key: &str, to: u32) {
     browser.run(&format!(
-        "const slider = document.querySelector('.panel input[name={key}]'); slider.value = {to}; slider.dispatchEvent(new Event('input'))"
+        "const slider = document.querySelector('.panel input[name={key}]'); slider.value = {to}; slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change'))"
     ));
 }
 
-fn wait_for_verdict(browser: &Browser, valid: &str) {
+pub fn wait_for_verdict(browser: &Browser, valid: &str) {
     browser.wait_until(&format!("return document.querySelector('#verdict').dataset.valid === '{valid}'"));
 }
 
 /// Place of a tip or a pusher in the first view, on the page (px).
-fn handle(browser: &Browser, kind: &str, number: usize) -> [f64; 2] {
+pub fn handle(browser: &Browser, kind: &str, number: usize) -> [f64; 2] {
     let corner = browser.run("const box = document.querySelector('.replay canvas').getBoundingClientRect(); return [box.left, box.top]");
     let place = &shown(browser, "handles")[kind][number];
     [0, 1].map(|axis| corner[axis].as_f64().unwrap() + place[axis].as_f64().unwrap())
 }
 
-fn poses(browser: &Browser) -> Vec<[f64; 3]> {
+pub fn poses(browser: &Browser) -> Vec<[f64; 3]> {
     let poses = shown(browser, "poses");
     BACKENDS.map(|name| [0, 1, 2].map(|at| poses[name][at].as_f64().unwrap())).to_vec()
 }
@@ -128,14 +128,7 @@ fn a_scene_is_played_changed_dragged_and_saved() {
 fn saved_path_is_shown_again(browser: &Browser, room: &Path) {
     browser.wait_until("return document.querySelector('.replay canvas').dataset.playing === 'false'");
     let (now, poses) = (time(browser), poses(browser));
-    click(browser, "Save scenario");
-    browser.wait_until("return Boolean(document.querySelector('.replay canvas').dataset.saved)");
-    let is_scenario = |path: &std::path::PathBuf| path.extension().is_some_and(|extension| extension == "json");
-    let file = (0..200).find_map(|_| {
-        std::thread::sleep(std::time::Duration::from_millis(50));
-        fs::read_dir(room).unwrap().map(|entry| entry.unwrap().path()).find(is_scenario)
-    });
-    let mut scenario: Value = serde_json::from_str(&fs::read_to_string(file.expect("a file is saved")).unwrap()).unwrap();
+    let mut scenario: Value = serde_json::from_str(&fs::read_to_string(saved_scenario(browser, room)).unwrap()).unwrap();
     assert!(scenario["drive"]["paths"][0]["waypoints"].as_array().unwrap().len() > 10);
     scenario["duration_s"] = now.into();
     let ended = room.join("ended.txt");
@@ -149,12 +142,26 @@ fn saved_path_is_shown_again(browser: &Browser, room: &Path) {
     }
 }
 
+/// The file of a scene that the page saves in this folder.
+pub fn saved_scenario(browser: &Browser, room: &Path) -> PathBuf {
+    click(browser, "Save scenario");
+    browser.wait_until("return Boolean(document.querySelector('.replay canvas').dataset.saved)");
+    let is_scenario = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "json");
+    let file = (0..200).find_map(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        fs::read_dir(room).unwrap().map(|entry| entry.unwrap().path()).find(is_scenario)
+    });
+    file.expect("a file is saved")
+}
+
 /// The copied link opens the same scene at the same time.
 fn link_shows_the_same(browser: &Browser) {
     let (now, before) = (time(browser), poses(browser));
+    browser.run("window.address = location.href");
     click(browser, "Copy link");
-    browser.wait_until("return location.hash.startsWith('#s=')");
+    browser.wait_until("return document.querySelector('.told').textContent.includes('link')");
     browser.run("location.reload()");
+    browser.wait_until("return window.address === undefined");
     browser.wait_until(&format!("return Math.abs(document.querySelector('.replay canvas')?.dataset.time - {now}) < 1e-9"));
     assert_eq!(poses(browser), before);
 }

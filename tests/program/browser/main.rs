@@ -3,6 +3,7 @@
 //!
 //! `cargo test --test browser -- --ignored`, with Chromium and ChromeDriver on the path.
 
+mod changes;
 mod driver;
 mod live;
 mod replay;

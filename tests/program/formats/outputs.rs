@@ -256,7 +256,7 @@ fn messages(link: &str) -> Vec<Value> {
     // The load is touched at the time that the page goes to.
     let has_gone = |messages: &[Value]| messages.iter().any(|message| message["time_s"].as_f64().is_some_and(|time| time > 0.49));
     while !has_gone(&messages)
-        || !["scene", "frame", "comparing", "verdict", "saved", "refused"].iter().all(|kind| is_there(&messages, kind))
+        || !["scene", "frame", "estimate", "comparing", "verdict", "saved", "refused"].iter().all(|kind| is_there(&messages, kind))
     {
         let Message::Text(text) = page.read().expect("the server answers") else { continue };
         let message: Value = serde_json::from_str(&text).expect("JSON");

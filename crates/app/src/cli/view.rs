@@ -9,7 +9,7 @@ use super::console::{note, print};
 use super::error::CliError;
 use super::input::{read_scenario, warn_of_scenario};
 use super::watch::is_interrupted;
-use crate::live::{LiveScene, Server, shipped};
+use crate::live::{FIRST, LiveScene, Server, shipped};
 use cohaul::scenario::Scenario;
 
 #[derive(Args)]
@@ -23,7 +23,7 @@ Ctrl-C. Nothing is written; the page saves scenarios through the browser.")]
 pub struct ViewArgs {
     /// Scenario file; - for standard input [default: four ants of the paper]
     scenario: Option<PathBuf>,
-    /// Port of the page [default: any free port]
+    /// Port of the page [default: 7329 if it is free, else any]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     port: u16,
 }
@@ -35,7 +35,7 @@ pub fn view(args: &ViewArgs) -> Result<ExitCode, CliError> {
             warn_of_scenario(path, &scenario);
             scenario
         }
-        None => Scenario::parse(shipped(None).expect("there are scenes"), "four ants")?,
+        None => Scenario::parse(shipped(FIRST).expect("it is shipped"), FIRST)?,
     };
     let server = Server::bind(args.port, LiveScene::new(scenario))?;
     print(&format!("{}\n", server.link()))?;

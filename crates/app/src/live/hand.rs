@@ -37,36 +37,60 @@ pub struct Span {
     pub to: f64,
 }
 
-/// Takes what the handle names from where it is at the beginning of the span towards a place (m,
-/// world), as far as a hand goes until the end of it. There it then stays. `rest_tip` is the tip of
-/// the spring while it is free.
+/// How a hand holds what it drags.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pull {
+    /// Where the hand is (m, world).
+    pub to: Vec2,
+    /// How fast what is held comes to the hand (1/s): half of the distance is left after 1.7 times
+    /// its inverse.
+    pub rate: f64,
+}
+
+/// Takes what the handle names from where it is at the beginning of the span towards the hand. A
+/// spring and a damper of critical damping are between the two, so that a hand whose place comes in
+/// leaps is followed smoothly, and one that moves steadily at a constant distance. At the end of
+/// the span it stays where it is. `rest_tip` is the tip of the spring while it is free (m, world).
 ///
 /// # Errors
 /// When nothing of that name can be dragged, with the reason.
-pub fn drag(scenario: &mut Scenario, handle: Handle, to: Vec2, span: Span, rest_tip: Vec2) -> Result<Reach, String> {
-    if !(to.x.is_finite() && to.y.is_finite()) {
+pub fn drag(scenario: &mut Scenario, handle: Handle, pull: Pull, span: Span, rest_tip: Vec2) -> Result<Reach, String> {
+    if !(pull.to.x.is_finite() && pull.to.y.is_finite()) {
         return Err("drag: must go to a finite place".to_owned());
     }
     if n_waypoints(scenario) > MOST_WAYPOINTS {
         return Err(format!("drag: at most {MOST_WAYPOINTS} waypoints are recorded; save the scene or begin anew"));
     }
-    let farthest = FASTEST * scenario.system.load.radius * (span.to - span.from);
+    let (radius, period, duration) = (scenario.system.load.radius, scenario.control_period, span.to - span.from);
     scenario.duration = scenario.duration.max(span.to);
+    // Between two places a control period apart it went straight.
+    let reached = |[before, now]: [Vec2; 2], most: f64| {
+        within(now, pull.followed(now, limited((now - before) / period, FASTEST * radius), duration), most)
+    };
     match handle {
         Handle::Spring(spring) => {
             check_spring(scenario, spring)?;
             let Drive::Tips(paths) = &mut scenario.drive else { return Err("drag: switch the ants off first".to_owned()) };
-            Ok(drag_tip(paths, spring, |from| reached(from, to, farthest), span, rest_tip))
+            let farthest = FASTEST * radius * duration;
+            Ok(drag_tip(
+                paths,
+                spring,
+                span,
+                |path| {
+                    reached(path.map_or([rest_tip; 2], |path| [span.from - period, span.from].map(|time| position(path, time))), farthest)
+                },
+                rest_tip,
+            ))
         }
         Handle::Pusher(number) => {
-            let farthest = farthest.min(LONGEST_PUSH * scenario.system.load.radius * (span.to - span.from) / scenario.control_period);
+            let farthest = (FASTEST * radius).min(LONGEST_PUSH * radius / period) * duration;
             let path = scenario.system.world.obstacles.get_mut(number).map(|obstacle| &mut obstacle.path).filter(|path| path.moves());
             let path = path.ok_or_else(|| format!("drag: must be an obstacle that moves, found obstacle {number}"))?;
-            let now = path.pose_at(span.from);
+            let [before, now] = [span.from - period, span.from].map(|time| path.pose_at(time));
             let has_waypoint =
                 path.waypoints.iter().any(|(time, _)| *time == span.from) || path.waypoints[path.waypoints.len() - 1].0 < span.from;
             path.waypoints.retain(|(time, _)| *time < span.from);
-            let target = Pose { position: reached(now.position, to, farthest), heading: now.heading };
+            let target = Pose { position: reached([before.position, now.position], farthest), heading: now.heading };
             path.waypoints.extend([(span.from, now), (span.to, target)]);
             Ok(if has_waypoint { Reach::Future } else { Reach::Whole })
         }
@@ -96,20 +120,51 @@ fn is_attached(path: &TipPath, now: f64) -> bool {
     path.waypoints[0].time <= now && path.release.is_none_or(|release| release > now)
 }
 
-fn reached(from: Vec2, to: Vec2, farthest: f64) -> Vec2 {
-    let way = to - from;
-    let length = way.norm();
-    if length <= farthest { to } else { from + farthest / length * way }
+impl Pull {
+    /// Where something is after a time (s) that was at `from` with this velocity (m/s): solution of
+    /// x'' = rate^2 (to - x) - 2 rate x'.
+    fn followed(&self, from: Vec2, velocity: Vec2, duration: f64) -> Vec2 {
+        let (away, left) = (from - self.to, (-self.rate * duration).exp());
+        self.to + left * (away + duration * (velocity + self.rate * away))
+    }
 }
 
-fn drag_tip(paths: &mut Vec<TipPath>, spring: usize, reached: impl Fn(Vec2) -> Vec2, Span { from, to }: Span, rest_tip: Vec2) -> Reach {
+/// `vector`, shortened to this length if it is longer.
+fn limited(vector: Vec2, most: f64) -> Vec2 {
+    let length = vector.norm();
+    if length <= most { vector } else { most / length * vector }
+}
+
+fn within(from: Vec2, to: Vec2, farthest: f64) -> Vec2 {
+    from + limited(to - from, farthest)
+}
+
+/// Where a tip is, at rest before the first waypoint and after the last.
+fn position(path: &TipPath, time: f64) -> Vec2 {
+    let next = path.waypoints.partition_point(|at| at.time <= time);
+    let Some(last) = next.checked_sub(1).map(|at| path.waypoints[at]) else { return path.waypoints[0].position };
+    match path.waypoints.get(next) {
+        Some(after) => last.position + (time - last.time) / (after.time - last.time) * (after.position - last.position),
+        None => last.position,
+    }
+}
+
+/// Takes the tip of a spring to where `reached` says, by the path that it had.
+fn drag_tip(
+    paths: &mut Vec<TipPath>,
+    spring: usize,
+    Span { from, to }: Span,
+    reached: impl Fn(Option<&TipPath>) -> Vec2,
+    rest_tip: Vec2,
+) -> Reach {
     paths.retain(|path| path.spring != spring || path.waypoints[0].time <= from);
     let Some(path) = paths.iter_mut().find(|path| path.spring == spring && is_attached(path, from)) else {
         let start = Waypoint { time: from, position: rest_tip };
-        paths.push(TipPath { spring, waypoints: vec![start, Waypoint { time: to, position: reached(rest_tip) }], release: None });
+        paths.push(TipPath { spring, waypoints: vec![start, Waypoint { time: to, position: reached(None) }], release: None });
         return Reach::Future;
     };
     path.release = None;
+    let end = reached(Some(path));
     let next = path.waypoints.partition_point(|at| at.time <= from);
     let last = path.waypoints[next - 1];
     // Within a straight part the position is rounded, and the part before ends there from now on.
@@ -124,7 +179,7 @@ fn drag_tip(paths: &mut Vec<TipPath>, spring: usize, reached: impl Fn(Vec2) -> V
     if last.time < from {
         path.waypoints.push(Waypoint { time: from, position: now });
     }
-    path.waypoints.push(Waypoint { time: to, position: reached(now) });
+    path.waypoints.push(Waypoint { time: to, position: end });
     reach
 }
 

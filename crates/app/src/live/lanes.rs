@@ -132,7 +132,7 @@ fn lane(run: &Simulation, drawn: &Drawn) -> LaneNow {
     let (pose, twist, energy) = (outcome.motion.pose, outcome.motion.twist, outcome.energy);
     let pull = |spring: &usize| backend.tip(*spring).and_then(|_| finite([backend.pull(*spring).norm()])).map(|[size]| size);
     let contacts = backend.side_contacts();
-    let contacts = contacts.iter().filter_map(|at| finite([at.point.x, at.point.y, at.force.x, at.force.y]));
+    let contacts = contacts.iter().filter_map(|at| finite([at.point.x, at.point.y, at.force.x, at.force.y, at.obstacle as f64]));
     LaneNow {
         pose: finite([pose.position.x, pose.position.y, pose.heading]),
         twist: finite([twist.linear.x, twist.linear.y, twist.angular]),

@@ -74,6 +74,20 @@ pub struct Saved {
     pub settings: Settings,
     #[serde(default)]
     pub time_s: f64,
+    /// The scene as it was opened, from which sliders reach; none where it is `scenario`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<Value>,
+    /// Speed of the drive over that of the base (1).
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub speed: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(speed: &f64) -> bool {
+    *speed == 1.0
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -81,7 +95,11 @@ pub struct Saved {
 pub enum Tell {
     Scene(Box<SceneNow>),
     Frame(Frame),
-    Comparing,
+    Estimate(Estimated),
+    Comparing {
+        /// Part of the comparison that is done (1).
+        share: f64,
+    },
     Verdict(Judged),
     Saved(Saved),
     /// What was asked is not done, with the reason.
@@ -157,8 +175,8 @@ pub struct LaneNow {
     pub twist: Option<[f64; 3]>,
     /// Size of the pull of each spring that is drawn (N).
     pub pulls: Vec<Option<f64>>,
-    /// x, y (m), and force on the load along x and y (N).
-    pub contacts: Vec<[f64; 4]>,
+    /// x, y (m), force on the load along x and y (N), and number of the obstacle.
+    pub contacts: Vec<[f64; 5]>,
     /// Elastic energy, kinetic energy and energy dissipated so far (J).
     pub energy: Option<[f64; 3]>,
     /// Whether the run can be trusted so far: `ok`, `doubtful` or `failed`.
@@ -166,6 +184,14 @@ pub struct LaneNow {
     /// What happened, if it is not ok.
     pub cause: &'static str,
     pub has_arrived: bool,
+}
+
+/// What a quasi-static run alone says of the inertia effect, at once.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Estimated {
+    /// `yes`, `no` or `open`: whether inertia is negligible.
+    pub negligible: &'static str,
+    pub sentence: String,
 }
 
 /// Result of a comparison of the scene.

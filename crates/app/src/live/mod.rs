@@ -16,8 +16,17 @@
 //! verdict.rs    the comparison of the scene, beside the runs
 //! session.rs    one page from its opening to its end: time, frames, changes
 //! server.rs     HTTP and WebSocket on the loopback interface
-//! page.rs       the page; live.js and live.css beside the replay's own
+//! page.rs       the page: its scripts and live.css beside the replay's own
 //! shipped.rs    scenes that come with the program
+//!
+//! course.js     frames by time, and the curves that they make
+//! keep.js       undo, links and the last change, kept by the browser
+//! handles.js    points of a scenario that a pointer can take
+//! editor.js     changes of the scene itself
+//! timeline.js   the drawing in time
+//! hand.js       what a pointer does in the drawing
+//! panel.js      sliders, backends and scenes
+//! connect.js    messages of the server, and the verdict
 //! ```
 
 mod hand;
@@ -32,12 +41,12 @@ mod settings;
 mod shipped;
 mod verdict;
 
-pub use hand::{Handle, Reach, Span};
+pub use hand::{Handle, Pull, Reach, Span};
 pub use lanes::Lanes;
 pub use message::{Ask, Tell};
 pub use scene::{Edit, LiveScene};
 pub use server::{Server, ServerError};
 pub use session::{Gone, Session};
 pub use settings::Settings;
-pub use shipped::shipped;
+pub use shipped::{FIRST, shipped};
 pub use verdict::Judge;

@@ -1,15 +1,38 @@
 //! The page, which draws with the script of a replay.
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use cohaul_report::glossary::entry;
 use cohaul_report::page::{SCRIPT_OF_CURVES, SCRIPT_OF_SCENES, STYLE};
 use maud::{DOCTYPE, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
-static SCRIPT: LazyLock<String> =
-    LazyLock::new(|| [SCRIPT_OF_SCENES, SCRIPT_OF_CURVES, include_str!("panel.js"), include_str!("live.js")].concat());
+/// Parts of the script of this page, in the order in which they use each other.
+const PARTS: [&str; 8] = [
+    include_str!("course.js"),
+    include_str!("keep.js"),
+    include_str!("handles.js"),
+    include_str!("editor.js"),
+    include_str!("timeline.js"),
+    include_str!("hand.js"),
+    include_str!("panel.js"),
+    include_str!("connect.js"),
+];
+
+static SCRIPT: LazyLock<String> = LazyLock::new(|| [SCRIPT_OF_SCENES, SCRIPT_OF_CURVES, &terms(), &PARTS.concat()].concat());
+
+/// Terms that the page explains where they stand.
+const TERMS: [&str; 9] = ["inertia effect", "engine error", "tolerance", "epsilon", "Phi", "zeta", "quasi-static", "inertial", "rapier"];
+
+/// Their meanings, as `cohaul explain` prints them, for the script.
+fn terms() -> String {
+    let meaning = |term: &&'static str| Some((*term, entry(term)?.meaning.as_str()));
+    let meanings: BTreeMap<&str, &str> = TERMS.iter().filter_map(meaning).collect();
+    format!("const TERMS = {};\n", serde_json::to_string(&meanings).expect("texts are JSON").replace("</", "<\\/"))
+}
 
 /// The page, and the policy under which it runs: only this script, and only this server.
 pub fn html() -> (String, String) {
@@ -34,16 +57,20 @@ pub fn html() -> (String, String) {
                 main.live {
                     section.headline.none #verdict aria-live="polite" {
                         p.verdict { span.sign aria-hidden="true" { "…" } span.sentence { "Connecting" } }
+                        progress max="1" hidden {}
                         div.quantities {}
                         p.numbers {}
                     }
                     div.testbed {
-                        figure.replay { div.stage {} }
-                        aside.panel aria-label="Scene" {}
+                        div.shown {
+                            figure.replay { div.stage {} }
+                            figure.curves { div.plots {} }
+                        }
+                        div.side { aside.panel aria-label="Scene" {} }
                     }
-                    p.told role="status" {}
-                    figure.curves { div.plots {} }
                 }
+                div.told role="status" {}
+                div #meaning popover="auto" {}
                 script type="module" { (PreEscaped(SCRIPT.as_str())) }
             }
         }

@@ -7,11 +7,34 @@ const RAPIER = {
   precision: ['f64', 'f32'],
 };
 
+// What a first visit may try, each with a button that does it.
+const TRIALS = [
+  ['Play the scene, then move the bar below the drawing', 'Play', (live) => live.toggle()],
+  ['Make the inertia larger: the pale curves are those before', 'Inertia × 10', (live, panel) => panel.multiply('inertia', 10)],
+  ['Drag a ring at the end of a spring, or a grey pusher, by mouse or finger', 'Show the start', (live) => live.goTo(0)],
+  ['Edit the scene: take a point, or add a wall', 'Edit', (live) => live.setEditing(!live.editor.isOn)],
+  ['Nothing is lost: take the last change back', 'Undo', (live) => live.keeper.go(-1)],
+];
+const TRIED = 'cohaul tried';
+
 class Panel {
-  constructor(place, send) {
-    this.place = place;
-    this.send = send;
-    this.sliders = new Map();
+  // `change` sends what changes the scene, and `live` returns the drawing.
+  constructor(place, { send, change, live }) {
+    Object.assign(this, { place, send, change, live, sliders: new Map() });
+  }
+
+  // Changes a parameter by a factor, as far as its slider goes.
+  multiply(key, factor) {
+    const { value, most } = this.scene.parameters.find((parameter) => parameter.key === key);
+    this.change({ do: 'set', what: key, value: Math.min(factor * value, most) }, true);
+  }
+
+  trials() {
+    const items = TRIALS.map(([text, name, act]) => element('li', {}, `${text}. `, button(name, '', () => act(this.live(), this), 'small')));
+    const box = element('details', { class: 'trials' }, element('summary', {}, 'Try this'), element('ol', {}, ...items));
+    box.open = !localStorage.getItem(TRIED);
+    box.addEventListener('toggle', () => { if (box.open) localStorage.removeItem(TRIED); else localStorage.setItem(TRIED, 'yes'); });
+    return box;
   }
 
   show(scene) {
@@ -35,7 +58,7 @@ class Panel {
     const { all_backends: all } = this.scene;
     this.sliders.clear();
     const sliders = this.scene.parameters.map((parameter) => {
-      const slider = new Slider((value) => this.send({ do: 'set', what: parameter.key, value }));
+      const slider = new Slider((value, isNew) => this.change({ do: 'set', what: parameter.key, value }, isNew));
       this.sliders.set(parameter.key, slider);
       return slider.box;
     });
@@ -44,7 +67,7 @@ class Panel {
       box.addEventListener('change', () => this.choose(box));
       return box;
     });
-    this.steps = all.map((_, i) => new Slider((value) => this.settings((settings) => { settings.steps_s[i] = value; })));
+    this.steps = all.map((_, i) => new Slider((value, isNew) => this.settings((settings) => { settings.steps_s[i] = value; }, isNew)));
     this.rapier = Object.fromEntries(Object.entries(RAPIER).map(([key, names]) => {
       const select = element('select', { name: key, 'aria-label': `${key} of rapier` }, ...names.map((name) => element('option', { value: name }, name)));
       select.addEventListener('change', () => this.settings(({ rapier }) => {
@@ -57,8 +80,9 @@ class Panel {
     const labelled = (control, text) => element('label', {}, control, ` ${text}`);
     this.place.replaceChildren(
       element('div', { class: 'scenes' }, this.scenes(), this.opener()),
+      this.trials(),
       element('h2', {}, 'Parameters'), ...sliders,
-      element('h2', {}, 'Backends'), ...all.map((kind, i) => labelled(this.backends[i], kind)),
+      element('h2', {}, 'Backends'), ...all.map((kind, i) => element('div', { class: 'pair' }, labelled(this.backends[i], kind), term(kind, '?'))),
       element('details', {}, element('summary', {}, 'Steps and options of rapier'), ...this.steps.map((step) => step.box),
         ...Object.entries(this.rapier).map(([key, select]) => element('label', { class: 'pair' }, `${key} `, select))));
   }
@@ -69,15 +93,16 @@ class Panel {
     else this.settings((settings) => { settings.backends = this.scene.all_backends.filter((_, i) => this.backends[i].checked); });
   }
 
-  settings(change) {
+  settings(change, isNew = true) {
     const settings = structuredClone(this.scene.settings);
     change(settings);
-    this.send({ do: 'settings', settings });
+    this.change({ do: 'settings', settings }, isNew);
   }
 
   scenes() {
     const select = element('select', { name: 'scene', 'aria-label': 'Scenes that come with cohaul' }, element('option', { value: '' }, 'Scenes …'),
-      ...this.scene.shipped.map((name) => element('option', { value: name }, name)));
+      ...Object.entries(Object.groupBy(this.scene.shipped, (name) => name.split('/')[0])).map(([folder, names]) => element('optgroup', { label: folder },
+        ...names.map((name) => element('option', { value: name }, name.slice(folder.length + 1).replaceAll('-', ' '))))));
     select.addEventListener('change', () => { if (select.value) this.send({ do: 'shipped', name: select.value }); select.value = ''; });
     return select;
   }
@@ -98,7 +123,7 @@ class Panel {
     try {
       read = JSON.parse(text);
     } catch (error) {
-      this.refused(`the file must be JSON: ${error.message}`);
+      told(`the file must be JSON: ${error.message}`);
       return;
     }
     this.send({ do: 'open', saved: read.scenario && read.settings ? read : { scenario: read } });
@@ -107,6 +132,7 @@ class Panel {
 
 // A number with its name, by equal factors or by equal steps.
 class Slider {
+  // `act` takes the value, and whether it is the first of one movement.
   constructor(act) {
     this.input = element('input', { type: 'range', min: 0, max: 1000, step: 1 });
     this.name = element('span', {});
@@ -119,7 +145,11 @@ class Slider {
       this.tell(value);
       // One change at a time, the last one wins.
       this.wanted = value;
-      this.asked ??= requestAnimationFrame(() => { this.asked = undefined; act(this.wanted); });
+      this.asked ??= requestAnimationFrame(() => { this.asked = undefined; act(this.wanted, !this.isMoving); this.isMoving = true; });
+    });
+    this.input.addEventListener('change', () => {
+      if (this.asked !== undefined) { cancelAnimationFrame(this.asked); this.asked = undefined; act(this.wanted, !this.isMoving); }
+      this.isMoving = false;
     });
   }
 

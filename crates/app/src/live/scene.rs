@@ -1,6 +1,6 @@
 //! Scenario and settings as a reader changes them.
 
-use super::hand::{self, Handle, Reach, Span};
+use super::hand::{self, Handle, Pull, Reach, Span};
 use super::message::{Saved, SceneNow};
 use super::parameters::{parameters, set};
 use super::settings::Settings;
@@ -15,12 +15,27 @@ use cohaul_report::page::Replay;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
-    Set { what: String, value: f64 },
+    Set {
+        what: String,
+        value: f64,
+    },
     Settings(Settings),
-    Drag { handle: Handle, to: Vec2, span: Span, rest_tip: Vec2 },
-    Release { spring: usize },
-    Ants { on: bool },
-    Shipped { name: String },
+    /// `rest_tip` is the tip of the spring while it is free (m, world).
+    Drag {
+        handle: Handle,
+        pull: Pull,
+        span: Span,
+        rest_tip: Vec2,
+    },
+    Release {
+        spring: usize,
+    },
+    Ants {
+        on: bool,
+    },
+    Shipped {
+        name: String,
+    },
     Open(Box<Saved>),
 }
 
@@ -31,13 +46,11 @@ pub struct LiveScene {
     base: Scenario,
     /// Speed of the drive over that of the base (1).
     speed: f64,
-    /// Ants that were switched off.
-    ants: Option<AntDrive>,
 }
 
 impl LiveScene {
     pub fn new(scenario: Scenario) -> Self {
-        Self { base: scenario.clone(), scenario, settings: Settings::default(), speed: 1.0, ants: None }
+        Self { base: scenario.clone(), scenario, settings: Settings::default(), speed: 1.0 }
     }
 
     /// Makes a change at the time `now` (s).
@@ -56,8 +69,8 @@ impl LiveScene {
                 changed.settings = settings.clone();
                 Reach::Whole
             }
-            Edit::Drag { handle, to, span, rest_tip } => {
-                let reach = hand::drag(&mut changed.scenario, *handle, *to, *span, *rest_tip)?;
+            Edit::Drag { handle, pull, span, rest_tip } => {
+                let reach = hand::drag(&mut changed.scenario, *handle, *pull, *span, *rest_tip)?;
                 // A scene may end between two ticks, and steps end there.
                 if span.from < now - 1e-6 * self.scenario.control_period { Reach::Whole } else { reach }
             }
@@ -67,14 +80,12 @@ impl LiveScene {
                 Reach::Whole
             }
             Edit::Shipped { name } => {
-                let text = shipped(Some(name)).ok_or_else(|| format!("no scene {name:?}"))?;
+                let text = shipped(name).ok_or_else(|| format!("no scene {name:?}"))?;
                 changed = Self { settings: changed.settings, ..Self::new(read(text, name)?) };
                 Reach::Whole
             }
             Edit::Open(saved) => {
-                saved.format.as_ref().map_or(Ok(()), |found| LIVE.check_found(found))?;
-                changed = Self { settings: saved.settings.clone(), ..Self::new(read(&saved.scenario.to_string(), "scenario")?) };
-                changed.settings.check(&changed.scenario)?;
+                changed = Self::open(saved)?;
                 Reach::Whole
             }
         };
@@ -86,21 +97,31 @@ impl LiveScene {
         Ok(reach)
     }
 
+    /// The scene as it was saved.
+    fn open(saved: &Saved) -> Result<Self, String> {
+        saved.format.as_ref().map_or(Ok(()), |found| LIVE.check_found(found))?;
+        if !(saved.speed.is_finite() && saved.speed > 0.0) {
+            return Err(format!("saved.speed: must be finite and above 0, found {}", saved.speed));
+        }
+        let scenario = read(&saved.scenario.to_string(), "scenario")?;
+        let base = saved.base.as_ref().map_or(Ok(scenario.clone()), |base| read(&base.to_string(), "base"))?;
+        saved.settings.check(&scenario)?;
+        Ok(Self { scenario, settings: saved.settings.clone(), base, speed: saved.speed })
+    }
+
     /// Ants that are switched off let go at once. Their tips become prescribed ones up to now,
-    /// those of the quasi-static backend, and can be dragged from then on. Switched on, they are
-    /// there from the start.
+    /// those of the quasi-static backend, and can be dragged from then on. Switched on, those of
+    /// the scene as it was opened are there from the start, at the present speed of the drive.
     fn switch_ants(&mut self, on: bool, now: f64) -> Result<(), String> {
         let has_ants = matches!(self.scenario.drive, Drive::Ants(_));
         if on == has_ants {
             return Ok(());
         }
-        let drive = match on {
-            true => Drive::Ants(self.ants.take().ok_or("ants: this scene has none")?),
-            false => Drive::Tips(self.tips_until(now)),
+        self.scenario.drive = match (on, &self.base.drive) {
+            (true, Drive::Ants(ants)) => Drive::Ants(AntDrive { pull_speed: self.speed * ants.pull_speed, ..ants.clone() }),
+            (true, Drive::Tips(_)) => return Err("ants: this scene has none".to_owned()),
+            (false, _) => Drive::Tips(self.tips_until(now)),
         };
-        if let Drive::Ants(ants) = std::mem::replace(&mut self.scenario.drive, drive) {
-            self.ants = Some(ants);
-        }
         Ok(())
     }
 
@@ -115,8 +136,16 @@ impl LiveScene {
     }
 
     pub fn saved(&self, time_s: f64) -> Saved {
-        let scenario = serde_json::to_value(self.scenario.expanded()).expect("the format is plain data");
-        Saved { format: Some(LIVE.found()), scenario, settings: self.settings.clone(), time_s }
+        let plain = |scenario: &Scenario| serde_json::to_value(scenario.expanded()).expect("the format is plain data");
+        let base = (self.base != self.scenario).then(|| plain(&self.base));
+        Saved {
+            format: Some(LIVE.found()),
+            scenario: plain(&self.scenario),
+            settings: self.settings.clone(),
+            time_s,
+            base,
+            speed: self.speed,
+        }
     }
 
     /// Numbers of the obstacles that can be dragged.
@@ -145,7 +174,7 @@ impl LiveScene {
             all_backends: BackendKind::ALL.map(BackendKind::name).to_vec(),
             steps_s: BackendKind::ALL.map(|kind| self.settings.steps_s[kind as usize].unwrap_or_else(|| step(kind))).to_vec(),
             pushers: self.pushers(),
-            has_ants: self.ants.is_some() || matches!(scenario.drive, Drive::Ants(_)),
+            has_ants: [scenario, &self.base].iter().any(|of| matches!(of.drive, Drive::Ants(_))),
             ants_on: matches!(scenario.drive, Drive::Ants(_)),
             shipped: names().collect(),
         }

@@ -2,7 +2,8 @@
 //!
 //! Only who has the link gets in: it holds a random token, and the host and the origin of a request
 //! must be those of this server, so that no page from elsewhere can ask it anything. Nothing is
-//! written. Sizes, rates and the number of pages are bounded.
+//! written. Sizes, rates, the number of pages and the time that the head of a request may take are
+//! bounded.
 
 use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -18,7 +19,11 @@ use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
+use tokio::sync::watch;
 
 use super::message::{Ask, Tell};
 use super::page;
@@ -40,8 +45,22 @@ const MOST_MALFORMED: usize = 100;
 const MOST_WAITING: usize = 10_000;
 /// Time after which messages that wait are offered to the runs again.
 const AGAIN: Duration = Duration::from_millis(2);
-/// Close code of a WebSocket that broke the rules.
-const POLICY: u16 = 1008;
+/// Time that the head of a request may take: browsers send it at once.
+const LONGEST_HEAD: Duration = Duration::from_secs(5);
+/// Time that a page has to hear why it is closed.
+const FAREWELL: Duration = Duration::from_millis(500);
+/// Port that is taken if it is free, so that a browser finds again what it has kept of a page.
+const USUAL_PORT: u16 = 7329;
+
+/// Why a page is closed: code of the WebSocket and reason.
+type Farewell = (u16, &'static str);
+const ENDED: Farewell = (1001, "the server has ended");
+const FAILED: Farewell = (1011, "its runs have failed");
+
+/// Of a page that broke the rules.
+fn broke(rule: &'static str) -> Farewell {
+    (1008, rule)
+}
 
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
@@ -56,6 +75,7 @@ pub enum ServerError {
 pub struct Server {
     listener: TcpListener,
     shared: Arc<Shared>,
+    end: watch::Sender<bool>,
 }
 
 struct Shared {
@@ -65,34 +85,42 @@ struct Shared {
     n_pages: AtomicUsize,
     /// Held by the one comparison that runs.
     turn: Arc<Mutex<()>>,
+    /// Whether the server ends.
+    ends: watch::Receiver<bool>,
 }
 
 impl Server {
-    /// A server of this scene at a port of the loopback interface, or at a free one for port 0.
+    /// A server of this scene at a port of the loopback interface, or at the usual or any free one
+    /// for port 0.
     ///
     /// # Errors
     /// When the port is taken, or the system has no random numbers.
     pub fn bind(port: u16, scene: LiveScene) -> Result<Self, ServerError> {
-        let listener =
-            TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|source| ServerError::Port { port, source })?;
+        let at = |port| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+        let usual = if port == 0 { at(USUAL_PORT).ok() } else { None };
+        let listener = usual.map_or_else(|| at(port), Ok).map_err(|source| ServerError::Port { port, source })?;
         let port = listener.local_addr().map_err(ServerError::System)?.port();
         let mut random = [0; 16];
         getrandom::fill(&mut random).map_err(ServerError::Token)?;
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { listener, shared: Arc::new(Shared { token, port, scene, n_pages: AtomicUsize::new(0), turn: Arc::default() }) })
+        let (end, ends) = watch::channel(false);
+        let shared = Shared { token, port, scene, n_pages: AtomicUsize::new(0), turn: Arc::default(), ends };
+        Ok(Self { listener, shared: Arc::new(shared), end })
     }
 
     pub fn link(&self) -> String {
         format!("http://127.0.0.1:{}/?token={}", self.shared.port, self.shared.token)
     }
 
-    /// Serves pages as long as `goes_on` says so. All sessions end with it.
+    /// Serves pages as long as `goes_on` says so. All sessions end with it, and their pages hear
+    /// why.
     ///
     /// # Errors
     /// When the system refuses a server.
     pub fn serve(self, goes_on: impl Fn() -> bool) -> Result<(), ServerError> {
         self.listener.set_nonblocking(true).map_err(ServerError::System)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServerError::System)?;
+        let shared = Arc::clone(&self.shared);
         let app = Router::new().route("/", get(page)).route("/socket", get(socket)).with_state(self.shared);
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(self.listener)?;
@@ -102,11 +130,32 @@ impl Server {
                 }
             };
             tokio::select! {
-                served = async { axum::serve(listener, app).await } => served,
-                () = stopped => Ok(()),
+                () = accept(&listener, &app) => {}
+                () = stopped => {}
             }
+            let _ = self.end.send(true);
+            let last = Instant::now() + FAREWELL;
+            while shared.n_pages.load(Ordering::Relaxed) > 0 && Instant::now() < last {
+                tokio::time::sleep(Duration::from_millis(10)).await;
+            }
+            Ok(())
         });
         served.map_err(ServerError::System)
+    }
+}
+
+/// Serves each connection beside the others. A connection that fails is its own affair, and so is
+/// one that the system cannot accept now.
+async fn accept(listener: &tokio::net::TcpListener, app: &Router) {
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(FAREWELL).await;
+            continue;
+        };
+        let service = TowerToHyperService::new(app.clone());
+        let mut serving = http1::Builder::new();
+        serving.timer(TokioTimer::new()).header_read_timeout(LONGEST_HEAD);
+        tokio::spawn(serving.serve_connection(TokioIo::new(stream), service).with_upgrades());
     }
 }
 
@@ -197,17 +246,27 @@ async fn serve_page(shared: &Shared, mut socket: WebSocket) {
         let tell = move |what: Tell| send(&tell_page, &what);
         let _: Option<Result<(), Gone>> = of_session.run(|| Session::new(&scene, judge, tell).run(scene, &asks));
     });
-    let end = talk(&mut socket, ask, &mut told, &tell).await;
+    drop(tell);
+    let mut ends = shared.ends.clone();
+    let end = tokio::select! {
+        end = talk(&mut socket, ask, &mut told) => end,
+        _ = ends.wait_for(|ends| *ends) => Some(ENDED),
+    };
     stop.ask();
     drop(told);
-    if let Some(why) = end {
-        let _ = socket.send(Message::Close(Some(CloseFrame { code: POLICY, reason: why.into() }))).await;
-    }
+    let Some((code, reason)) = end else { return };
+    let farewell = async {
+        socket.send(Message::Close(Some(CloseFrame { code, reason: reason.into() }))).await.ok()?;
+        // What the page has sent meanwhile is read, so that it hears the reason.
+        while socket.recv().await?.is_ok() {}
+        Some(())
+    };
+    let _ = tokio::time::timeout(FAREWELL, farewell).await;
 }
 
-/// Hands messages to and fro until one side ends; the reason, if the page broke a rule. The page is
+/// Hands messages to and fro until one side ends; why, if that is not the page. The page is
 /// heard also while the runs are slow to answer, so that its end ends them.
-async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<String>, tell: &Sender<String>) -> Option<&'static str> {
+async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<String>) -> Option<Farewell> {
     let (mut budget, mut last, mut n_malformed) = (MOST_AT_ONCE, Instant::now(), 0);
     let mut waiting: VecDeque<Ask> = VecDeque::new();
     loop {
@@ -218,12 +277,13 @@ async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<
                     waiting.push_front(back);
                     break;
                 }
-                Err(TrySendError::Disconnected(_)) => return None,
+                Err(TrySendError::Disconnected(_)) => return Some(FAILED),
             }
         }
         let message = tokio::select! {
             line = told.recv() => {
-                socket.send(Message::Text(line?.into())).await.ok()?;
+                let Some(line) = line else { return Some(FAILED) };
+                socket.send(Message::Text(line.into())).await.ok()?;
                 continue;
             }
             message = socket.recv() => message?.ok()?,
@@ -232,7 +292,7 @@ async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<
         budget = MOST_AT_ONCE.min(budget + MOST_MESSAGES_A_SECOND * last.elapsed().as_secs_f64()) - 1.0;
         last = Instant::now();
         if budget < 0.0 {
-            return Some("too many messages");
+            return Some(broke("too many messages"));
         }
         let read = match &message {
             Message::Text(text) => serde_json::from_str(text.as_str()).map_err(|error| error.to_string()),
@@ -241,16 +301,16 @@ async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<
             Message::Close(_) => return None,
         };
         match read {
-            Ok(_) if waiting.len() >= MOST_WAITING => return Some("too many messages that wait for an answer"),
+            Ok(_) if waiting.len() >= MOST_WAITING => return Some(broke("too many messages that wait for an answer")),
             Ok(asked) => waiting.push_back(asked),
             Err(why) => {
                 n_malformed += 1;
                 if n_malformed > MOST_MALFORMED {
-                    return Some("too many messages that make no sense");
+                    return Some(broke("too many messages that make no sense"));
                 }
                 let refused = Tell::refused(format!("a message: {why}"));
                 if let Ok(line) = json::line(&refused) {
-                    let _ = tell.try_send(line);
+                    socket.send(Message::Text(line.into())).await.ok()?;
                 }
             }
         }

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};
 
-use super::hand::{Handle, Reach, Span};
+use super::hand::{Handle, Pull, Reach, Span};
 use super::lanes::{Drawn, Lanes};
 use super::message::{Ask, Frame, Tell};
 use super::scene::{Edit, LiveScene};
@@ -19,6 +19,14 @@ const LONGEST_FRAME: Duration = Duration::from_millis(50);
 /// Frames that are sent ahead of the page at most. A page that draws no more, as it is hidden or
 /// gone, stops the runs.
 const MOST_AHEAD: u64 = 8;
+/// How fast what is dragged comes to the hand (1/s of real time): steadily, and without delay to
+/// the eye.
+const FOLLOWS: f64 = 12.0;
+/// Points of a course that a page is sent at least, however fast it is computed, of a scene with
+/// few springs.
+const POINTS: f64 = 500.0;
+/// Springs that make a point twice as large (1).
+const MANY_SPRINGS: f64 = 20.0;
 /// Simulated time over real time, at least and at most (1).
 const PACES: RangeInclusive<f64> = 1e-3..=1e3;
 
@@ -48,6 +56,8 @@ pub struct Session<T> {
     held: Option<(Handle, Vec2)>,
     n_sent: u64,
     n_drawn: u64,
+    /// Control periods between two points of the course.
+    every: u64,
 }
 
 impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
@@ -65,6 +75,7 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
             held: None,
             n_sent: 0,
             n_drawn: 0,
+            every: 1,
         }
     }
 
@@ -120,6 +131,8 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
     fn show(&mut self, scene: &LiveScene) -> Result<(), Gone> {
         self.drawn = Drawn::of(scene);
         self.due = 0.0;
+        let n_points = POINTS / (1.0 + self.drawn.springs.len() as f64 / MANY_SPRINGS);
+        self.every = (scene.scenario.duration / scene.scenario.control_period / n_points).max(1.0) as u64;
         (self.tell)(Tell::Scene(Box::new(scene.now())))?;
         self.compare(scene);
         Ok(())
@@ -182,7 +195,8 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
         };
         // The runs go on to the end of the span before the next change.
         self.goal = span.to;
-        Some(Change::Edit(Edit::Drag { handle, to, span, rest_tip }))
+        let pull = Pull { to, rate: FOLLOWS / self.pace };
+        Some(Change::Edit(Edit::Drag { handle, pull, span, rest_tip }))
     }
 
     fn frame(&mut self, lanes: &mut Lanes, n_ticks: f64) -> Result<(), Gone> {
@@ -190,7 +204,7 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
         let from = lanes.time();
         // A pace that the machine cannot keep is not kept, and the page stays live.
         for _ in (0..n_ticks as u64).take_while(|_| clock.elapsed() < LONGEST_FRAME) {
-            lanes.advance();
+            self.advance(lanes)?;
         }
         if lanes.has_ended() {
             self.is_playing = false;
@@ -202,7 +216,7 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
     fn hurry(&mut self, lanes: &mut Lanes) -> Result<(), Gone> {
         let (clock, from, goal) = (Instant::now(), lanes.time(), self.goal - 1e-6 * lanes.period());
         while lanes.time() < goal && !lanes.has_ended() && clock.elapsed() < FRAME {
-            lanes.advance();
+            self.advance(lanes)?;
         }
         if lanes.time() >= goal || lanes.has_ended() {
             self.goal = 0.0;
@@ -268,15 +282,29 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
         }
     }
 
+    /// Goes on by a control period, and sends the point of the course that is due. It belongs to
+    /// the next frame.
+    fn advance(&mut self, lanes: &mut Lanes) -> Result<(), Gone> {
+        lanes.advance();
+        match lanes.tick().is_multiple_of(self.every) {
+            true => self.tell_of(lanes, self.n_sent + 1, None),
+            false => Ok(()),
+        }
+    }
+
     /// Sends what the runs have reached, after `simulated` (s) that took `real` (s).
     fn send(&mut self, lanes: &Lanes, simulated: f64, real: f64) -> Result<(), Gone> {
         self.n_sent += 1;
+        self.tell_of(lanes, self.n_sent, (simulated > 0.0).then(|| real / simulated))
+    }
+
+    fn tell_of(&self, lanes: &Lanes, number: u64, share: Option<f64>) -> Result<(), Gone> {
         let frame = Frame {
-            frame: self.n_sent,
+            frame: number,
             time_s: lanes.time(),
             is_playing: self.is_playing,
             has_ended: lanes.has_ended(),
-            share: (simulated > 0.0).then(|| real / simulated),
+            share,
             stages: lanes.stages(&self.drawn),
             lanes: lanes.lanes(&self.drawn),
             pushers: lanes.pushers(&self.drawn),

@@ -1,21 +1,77 @@
-//! Scenes that come with the program.
+//! Scenes that come with the program: all of `scenarios/`.
 
-const SHIPPED: [(&str, &str); 10] = [
-    ("four ants", include_str!("../../../../scenarios/paper/four-ants-four-springs.json")),
-    ("ten ants", include_str!("../../../../scenarios/paper/ten-ants-ten-springs.json")),
-    ("four tips", include_str!("../../../../scenarios/paper/four-tips-prescribed.json")),
-    ("wall with a gap", include_str!("../../../../scenarios/paper/wall-with-gap.json")),
-    ("release", include_str!("../../../../scenarios/analytic/release-jump.json")),
-    ("ramp and hold", include_str!("../../../../scenarios/analytic/ramp-and-hold.json")),
-    ("tow past a corner", include_str!("../../../../scenarios/robots/tow-past-corner.json")),
-    ("two fingers", include_str!("../../../../scenarios/robots/two-fingers.json")),
-    ("pusher", include_str!("../../../../scenarios/contact/pusher.json")),
-    ("rebound", include_str!("../../../../scenarios/contact/rebound.json")),
+/// Names and texts of the files with these names.
+macro_rules! texts {
+    ($($name:literal,)*) => {
+        [$(($name, include_str!(concat!("../../../../scenarios/", $name, ".json")))),*]
+    };
+}
+
+const SHIPPED: [(&str, &str); 56] = texts![
+    "paper/corridor",
+    "paper/five-ants-ten-springs",
+    "paper/four-ants-four-springs",
+    "paper/four-tips-held",
+    "paper/four-tips-prescribed",
+    "paper/one-ant-one-spring",
+    "paper/post",
+    "paper/structure-1",
+    "paper/structure-2",
+    "paper/ten-ants-ten-springs",
+    "paper/wall-with-gap",
+    "robots/caging",
+    "robots/doorway",
+    "robots/fence",
+    "robots/sorting",
+    "robots/tow-past-corner",
+    "robots/two-fingers",
+    "contact/box-lift",
+    "contact/box-wall-friction",
+    "contact/box-wall-slip",
+    "contact/box-wall-stick",
+    "contact/disc-roll",
+    "contact/disc-roll-slip",
+    "contact/jump-and-rebound",
+    "contact/jump-to-wall",
+    "contact/notch-jam",
+    "contact/oblique-impact",
+    "contact/oblique-rebound",
+    "contact/post-arc",
+    "contact/post-jump",
+    "contact/posts-gap",
+    "contact/push-aside",
+    "contact/pusher",
+    "contact/pusher-uniform",
+    "contact/rebound",
+    "contact/wall-slide",
+    "analytic/centre-pull",
+    "analytic/qs-ref-1",
+    "analytic/ramp-and-hold",
+    "analytic/release-jump",
+    "analytic/slide",
+    "analytic/slide-spin",
+    "analytic/spin",
+    "analytic/tripod-slide-spin-free",
+    "analytic/tripod-slide-spin-pinned",
+    "analytic/tripod-spin-pinned",
+    "stress/collinear-supports",
+    "stress/heavy",
+    "stress/hold-below-limit",
+    "stress/hold-below-limit-off-centre",
+    "stress/hundred-supports",
+    "stress/stiff-light",
+    "stress/thousand-springs",
+    "stress/tip-jump",
+    "stress/zero-friction",
+    "stress/zero-normal-load",
 ];
 
-/// The text of the scenario with this name; the first one without a name.
-pub fn shipped(name: Option<&str>) -> Option<&'static str> {
-    SHIPPED.iter().find(|(own, _)| name.is_none_or(|name| name == *own)).map(|(_, text)| *text)
+/// The scene of a page that was given none.
+pub const FIRST: &str = "paper/four-ants-four-springs";
+
+/// The text of the scenario with this name.
+pub fn shipped(name: &str) -> Option<&'static str> {
+    SHIPPED.iter().find(|(own, _)| *own == name).map(|(_, text)| *text)
 }
 
 pub fn names() -> impl Iterator<Item = &'static str> {

@@ -18,7 +18,7 @@ use crate::page::replay_world::{ContactSlots, Shape, ShownObstacle, obstacles, s
 use crate::page::thinning::{Thinned, thinned};
 use crate::quantity::quantity;
 use crate::transition_words::in_words;
-use cohaul::backend::{AttachedTips, EnergyLedger};
+use cohaul::backend::{AttachedTips, BackendKind, EnergyLedger};
 use cohaul::math::Vec2;
 use cohaul::model::ant::{Ant, Mode};
 use cohaul::scenario::{Drive, Scenario};
@@ -52,6 +52,8 @@ pub struct Data {
     largest_pull: f64,
     /// Speed of slip whose arrow is as long as the load's radius.
     slip_unit: f64,
+    /// Slip slower than this is drawn as sticking in all runs.
+    rest_below: f64,
     opens_at: f64,
     has_ants: bool,
     stages: Vec<Stage>,
@@ -101,6 +103,9 @@ const MOST_MARKS: usize = 2000;
 /// Over the fastest slip of a run, slower slip counts as none (1): an engine's friction leaves a
 /// rest of it.
 const STICKS_BELOW: f64 = 1e-4;
+/// Slip below this counts as none in any run, in radii of the load in a second (1/s): a load that
+/// creeps by rounding is at rest.
+const REST: f64 = 1e-6;
 /// Added to the heading of an ant that holds a tip: more than one turn, so that rounding cannot
 /// blur it.
 const HOLDS: f64 = 2.0 * TAU;
@@ -136,6 +141,7 @@ impl Replay {
             springs: parts.springs.iter().map(|i| (*i, ends(&system.springs[*i]))).collect(),
             largest_pull: largest_pull(runs),
             slip_unit: seldom_exceeded(runs.iter().flat_map(|run| slips(scenario, run.trace))),
+            rest_below: rest_below(scenario),
             opens_at,
             has_ants: parts.n_ants > 0,
             stages: stages.collect(),
@@ -256,7 +262,7 @@ fn run_of(scenario: &Scenario, run: &Labelled, at: usize, stage: usize, thinned:
     };
     Run {
         label: run.label.to_owned(),
-        color: trace_color(at),
+        color: color(run.label, at),
         stage,
         times: long(&|row| row.time),
         x: long(&|row| row.motion.pose.position.x),
@@ -271,8 +277,18 @@ fn run_of(scenario: &Scenario, run: &Labelled, at: usize, stage: usize, thinned:
             .iter()
             .map(|it| (it.time, it.kind.name(), in_words(&it.kind, &scenario.system.world)))
             .collect(),
-        sticks_below: STICKS_BELOW * slips(scenario, run.trace).fold(0.0, f64::max),
+        sticks_below: slips(scenario, run.trace).map(|slip| STICKS_BELOW * slip).fold(rest_below(scenario), f64::max),
     }
+}
+
+/// Slip that counts as none in any run (m/s).
+fn rest_below(scenario: &Scenario) -> f64 {
+    REST * scenario.system.load.radius
+}
+
+/// A backend has the same colour in all drawings, beside which others it may stand.
+fn color(label: &str, at: usize) -> &'static str {
+    trace_color(BackendKind::ALL.iter().position(|kind| kind.name() == label).unwrap_or(at))
 }
 
 /// Slip speed of the fastest support in every row (m/s).
@@ -317,8 +333,9 @@ fn caption(parts: &Parts, rows: &[Thinned], data: &Data) -> Vec<String> {
              any forces within the limits that balance the pulls hold it, so its own is not known."
                 .to_owned(),
         );
-        let unit = quantity(data.slip_unit, "m/s");
+        let [unit, rest] = [data.slip_unit, data.rest_below].map(|speed| quantity(speed, "m/s"));
         notes.push(format!("Slip of {unit} has an arrow as long as the load's radius; faster slip is cut there and has a second head."));
+        notes.push(format!("Slip below {rest}, or below a ten-thousandth of the fastest slip of the run, is drawn as sticking."));
     }
     if data.force_unit > 0.0 {
         let unit = quantity(data.force_unit, "N");

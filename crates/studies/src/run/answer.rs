@@ -55,7 +55,8 @@ fn nothing_moved(run: &Run, estimate: &InertiaEstimate) -> bool {
     estimate.path_length_m <= LEAST_MOTION * run.scenario.system.load.radius
 }
 
-fn inertia_sentence(run: &Run, estimate: &InertiaEstimate) -> String {
+/// What the estimate says of inertia.
+pub fn inertia_sentence(run: &Run, estimate: &InertiaEstimate) -> String {
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
     if estimate.is_invalid {
         return "Inertia is not negligible: with it the load turns further than the inertia estimate can follow.".to_owned();

@@ -46,9 +46,11 @@ function between(series, place) {
   return Number.isNaN(b) ? a : a + place.share * (b - a);
 }
 
+const PREFIXES = [[1e-3, 'k'], [1, ''], [1e3, 'm'], [1e6, 'µ'], [1e9, 'n']];
+
 function withPrefix(value, unit) {
   if (value === 0) return `0 ${unit}`;
-  for (const [factor, prefix] of [[1e-3, 'k'], [1, ''], [1e3, 'm'], [1e6, 'µ'], [1e9, 'n']]) {
+  for (const [factor, prefix] of PREFIXES) {
     if (Math.abs(value) * factor >= 0.9995) return `${(value * factor).toPrecision(4)} ${prefix}${unit}`;
   }
   return `${value.toExponential(2)} ${unit}`;

@@ -48,9 +48,9 @@ class Plot {
     const most = ceiling ?? Infinity;
     const [xs, ys] = [[Infinity, -Infinity], [Infinity, -Infinity]];
     const add = (range, value) => { if (Number.isFinite(value)) { range[0] = Math.min(range[0], value); range[1] = Math.max(range[1], value); } };
-    for (const curve of curves) {
-      curve.x.forEach((x) => add(xs, x));
-      curve.y.forEach((y) => add(ys, Math.min(y, most)));
+    for (const { x, y } of curves.flatMap((curve) => [curve, ...(curve.before ? [curve.before] : [])])) {
+      x.forEach((value) => add(xs, value));
+      y.forEach((value) => add(ys, Math.min(value, most)));
     }
     // Plots of one replay have one axis of time, gaps at its ends included.
     if (this.player) for (const time of [this.player.start, this.player.end]) add(xs, time);
@@ -124,7 +124,8 @@ class Plot {
       pen.stroke();
       pen.setLineDash([]);
     };
-    for (const [value, text] of this.upTicks()) {
+    const [factor, unit] = this.prefix();
+    for (const [value, text] of this.upTicks(factor)) {
       line([[left, y(value)], [right, y(value)]], faint, 1);
       write(pen, text, left - 6, y(value) + 4, 'right', soft, '12px');
     }
@@ -132,7 +133,7 @@ class Plot {
       line([[x(value), bottom], [x(value), bottom + 4]], soft, 1);
       write(pen, text, x(value), bottom + 17, 'center', soft, '12px');
     }
-    write(pen, this.panel.y, 8, 17, 'left', ink, '600 13px');
+    write(pen, unit ? `${this.panel.y} (${unit})` : this.panel.y, 8, 17, 'left', ink, '600 13px');
     write(pen, this.panel.x, right, PLOT_HEIGHT - 5, 'right', soft, '12px');
     if (this.panel.note) write(pen, this.panel.note, right, 17, 'right', soft, '12px');
     pen.save();
@@ -144,15 +145,26 @@ class Plot {
       const at = y(this.isLog ? Math.log10(level) : level);
       line([[left, at], [right, at]], scheme.color(color), 1.5, dash);
     }
+    pen.globalAlpha = 0.4;
+    for (const curve of this.panel.curves) if (curve.before) this.drawCurve(pen, { ...curve, ...curve.before }, x, y);
+    pen.globalAlpha = 1;
     for (const curve of this.panel.curves) this.drawCurve(pen, curve, x, y);
     pen.restore();
     line([[left, top], [left, bottom], [right, bottom]], soft, 1);
   }
 
+  // Factor and name of a unit in which the axis has numbers of one to three digits; the axis as it is without a unit.
+  prefix() {
+    if (!this.panel.unit) return [1, ''];
+    const most = Math.max(...this.ys.map(Math.abs));
+    const [factor, prefix] = PREFIXES.find(([by]) => most * by >= 1) || PREFIXES.at(-1);
+    return [factor, `${prefix}${this.panel.unit}`];
+  }
+
   // Whole decades, or multiples of a step.
-  upTicks() {
+  upTicks(factor) {
     const [low, high] = this.ys;
-    if (!this.isLog) return ticks(low, high, 5).filter(([value]) => this.panel.scale !== 'count' || Number.isInteger(value));
+    if (!this.isLog) return ticks(factor * low, factor * high, 5).map(([value, text]) => [value / factor, text]).filter(([value]) => this.panel.scale !== 'count' || Number.isInteger(value));
     const every = Math.ceil((high - low) / 6);
     return Array.from({ length: Math.floor((high - low) / every) + 1 }, (_, k) => low + k * every).map((value) => [value, raised(value)]);
   }
@@ -213,9 +225,11 @@ class Plot {
       sample.style.borderTop = `3px ${dash ? 'dashed' : 'solid'} ${scheme.color(color)}`;
       return element('span', {}, sample, text);
     };
-    const text = (value) => (Number.isNaN(value) ? '–' : Number.isInteger(value) && Math.abs(value) < 1e4 ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(3) : value.toPrecision(4));
+    const { unit } = this.panel;
+    const was = ({ before }) => (before ? ` (before ${text(this.valueAt(before, time))})` : '');
+    const text = (value) => (Number.isNaN(value) ? '–' : unit ? withPrefix(value, unit) : Number.isInteger(value) && Math.abs(value) < 1e4 ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(3) : value.toPrecision(4));
     this.values.replaceChildren(element('b', {}, `${time.toFixed(3)} s`),
-      ...of.map(([curve, value]) => item(curve.color, curve.dash, `${curve.label} ${text(value)}`)),
+      ...of.map(([curve, value]) => item(curve.color, curve.dash, `${curve.label} ${text(value)}${was(curve)}`)),
       ...this.panel.levels.map((level) => item(level.color, level.dash, `${level.label} ${text(level.y)}`)));
     this.canvas.dataset.time = time;
     this.canvas.dataset.values = JSON.stringify(Object.fromEntries(of.map(([curve, value]) => [curve.label, Number.isNaN(value) ? null : value])));
@@ -249,8 +263,9 @@ class Plot {
   // One line a point, as the points of the curves differ.
   saveTable() {
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const lines = [['curve', this.panel.x, this.panel.y].map(quoted).join(',')];
-    for (const curve of this.panel.curves) {
+    const lines = [['curve', this.panel.x, this.panel.unit ? `${this.panel.y} (${this.panel.unit})` : this.panel.y].map(quoted).join(',')];
+    const all = this.panel.curves.flatMap((curve) => [curve, ...(curve.before ? [{ ...curve, ...curve.before, label: `${curve.label}, before` }] : [])]);
+    for (const curve of all) {
       curve.x.forEach((time, i) => {
         const value = this.isLog ? 10 ** curve.y[i] : curve.y[i];
         if (!Number.isNaN(value)) lines.push(`${quoted(curve.label)},${Number(time.toPrecision(10))},${Number(value.toPrecision(9))}`);

@@ -198,7 +198,9 @@ class Parts {
 
   // Slip of each support by the load's twist; friction is mu N against it, Eq. (13), and not known where it sticks.
   drawSupports(pen, state, scale) {
-    const size = Math.min(Math.max(0.09 * this.data.radius * scale.per, 2), 6);
+    // Many supports are drawn finer, so that the load is seen between them.
+    const fine = Math.min(1, 2 / Math.sqrt(this.data.supports.length));
+    const size = Math.max(fine * Math.min(Math.max(0.09 * this.data.radius * scale.per, 2), 6), 1.2);
     const largest = Math.max(...this.data.supports.map((support) => support[2]));
     for (const [ox, oy, limit] of this.data.supports) {
       if (!(limit > 0)) continue;
@@ -214,8 +216,8 @@ class Parts {
       const [ux, uy] = [sx / speed, -sy / speed];
       const share = speed / (this.data.slip_unit || speed);
       const unit = this.data.radius * scale.per;
-      this.arrow(pen, x, y, ux, uy, unit * Math.min(share, 1), '#009e73', 2, share > 1);
-      this.arrow(pen, x, y, -ux, -uy, 0.8 * unit * limit / largest, '#cc3311', 3, false);
+      this.arrow(pen, x, y, ux, uy, unit * Math.min(share, 1), '#009e73', 2 * fine, share > 1, fine);
+      this.arrow(pen, x, y, -ux, -uy, 0.8 * fine * unit * limit / largest, '#cc3311', 3 * fine, false, fine);
       pen.fillStyle = '#e69f00';
       pen.beginPath();
       pen.arc(x, y, size, 0, 2 * Math.PI);
@@ -223,8 +225,8 @@ class Parts {
     }
   }
 
-  arrow(pen, x, y, ux, uy, length, color, width, isCut) {
-    const head = Math.min(8, 0.6 * length);
+  arrow(pen, x, y, ux, uy, length, color, width, isCut, fine = 1) {
+    const head = Math.min(8 * fine, 0.6 * length);
     const [ex, ey] = [x + ux * length, y + uy * length];
     pen.strokeStyle = pen.fillStyle = color;
     pen.lineWidth = width;

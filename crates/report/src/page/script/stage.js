@@ -32,10 +32,14 @@ class Stage extends View {
       const [x, y] = [event.clientX - box.left, event.clientY - box.top];
       return [(x % this.grid.width) - this.grid.width / 2, (y % this.grid.height) - this.grid.height / 2 - 12];
     };
+    let isTaken = false;
     canvas.addEventListener('pointerdown', (event) => {
       canvas.setPointerCapture(event.pointerId);
-      last = this.take(event) ? undefined : event;
+      isTaken = this.take(event);
+      last = isTaken ? undefined : event;
     });
+    // A finger that has taken nothing scrolls the page; this comes after `pointerdown`.
+    canvas.addEventListener('touchstart', (event) => { if (isTaken) event.preventDefault(); }, { passive: false });
     canvas.addEventListener('pointermove', (event) => {
       if (this.carry(event) || !last) return;
       this.panBy(event.clientX - last.clientX, event.clientY - last.clientY);
@@ -137,7 +141,9 @@ class Stage extends View {
     const count = this.isOverlaid ? 1 : this.data.runs.length;
     const columns = width < 640 ? 1 : count;
     const rows = Math.ceil(count / columns);
-    const height = Math.round(Math.min(Math.max(width / columns, 180), columns === 1 && rows > 1 ? 260 : 420));
+    // Views below each other leave room on the screen to scroll.
+    const most = rows > 1 ? Math.max(150, Math.min(260, 0.6 * window.innerHeight / rows)) : Math.max(420, count > 1 ? 0 : 0.6 * window.innerHeight);
+    const height = Math.round(Math.min(Math.max(width / columns, 150), most, width < 640 ? Math.max(150, 0.6 * window.innerHeight) : Infinity));
     this.grid = { columns, width: width / columns, height };
     sized(this.canvas, width, rows * height);
     this.resized(width);

@@ -38,6 +38,18 @@ class View extends Parts {
     for (const stage of this.data.stages) for (const [x, y] of stage.tips) x.forEach((value, i) => add(value, y[i], 0));
     if (this.data.nest) add(...this.data.nest);
     for (const { path } of this.data.obstacles) if (path.length > 1) for (const [, x, y] of path) add(x, y, 0.5 * this.data.radius);
+    // Of walls as much as lies beside the rest.
+    const beside = Math.max(8 * this.data.radius, 0.6 * Math.max(box[2] - box[0], box[3] - box[1]));
+    const most = [box[0] - beside, box[1] - beside, box[2] + beside, box[3] + beside];
+    for (const obstacle of this.data.obstacles) {
+      const [, x, y, heading] = obstacle.path[0];
+      for (const [px, py, r] of obstacle.outline.flatMap((part) => (part.disc ? [part.disc] : (part.polygon || part.polyline).map(([a, b]) => [a, b, 0])))) {
+        const [wx, wy] = this.placed({ x, y, heading }, px, py);
+        const inside = (value, low, high) => Math.min(Math.max(value, low), high);
+        add(inside(wx - r, most[0], most[2]), inside(wy - r, most[1], most[3]), 0);
+        add(inside(wx + r, most[0], most[2]), inside(wy + r, most[1], most[3]), 0);
+      }
+    }
     return box;
   }
 
@@ -48,10 +60,25 @@ class View extends Parts {
     return 1.7 * reach;
   }
 
+  // What is seen around loads that are followed: the springs of the first, and all of the others.
+  around([first, ...others]) {
+    const box = [first.x - this.reach, first.y - this.reach, first.x + this.reach, first.y + this.reach];
+    const room = 1.6 * this.data.radius;
+    for (const { x, y } of others.filter((state) => Number.isFinite(state.x + state.y))) {
+      box[0] = Math.min(box[0], x - room); box[1] = Math.min(box[1], y - room);
+      box[2] = Math.max(box[2], x + room); box[3] = Math.max(box[3], y + room);
+    }
+    return box;
+  }
+
+  // What is seen of the world: the first of the loads is the one to follow.
+  boxOf(loads) {
+    return this.follows ? this.around(loads) : this.whole;
+  }
+
   // World to view: equal along both axes, y upwards.
-  scaleOf(followed, width, height) {
-    const reach = this.reach;
-    const box = this.follows ? [followed.x - reach, followed.y - reach, followed.x + reach, followed.y + reach] : this.whole;
+  scaleOf(loads, width, height) {
+    const box = this.boxOf(loads);
     const fitted = Math.min((width - 24) / (box[2] - box[0]), (height - 64) / (box[3] - box[1])) || 1;
     const per = this.per = fitted * this.zoom;
     const [x, y] = [(box[0] + box[2]) / 2 + this.shift[0], (box[1] + box[3]) / 2 + this.shift[1]];
@@ -133,16 +160,21 @@ class View extends Parts {
     });
   }
 
+  // The loads that one view follows: at the same tips all stay in view, others are followed one by one.
+  followed(shown, states) {
+    const base = states[this.base];
+    return this.isShared ? [base, ...states.map((state) => this.magnified(state, base))] : shown;
+  }
+
   drawView(pen, shown, states, width, height) {
     const base = states[this.base];
-    // Loads at the same tips stay together; others are followed one by one.
-    const scale = this.scaleOf(this.isShared ? base : shown[0], width, height);
+    const drawn = shown.map((state) => this.magnified(state, base));
+    const scale = this.scaleOf(this.followed(shown, states), width, height);
     this.drawNest(pen, scale);
     this.drawObstacles(pen, scale);
     // Below all else, as it may not hide springs or ants.
     if (this.follows) this.drawMap(pen, shown, width, height);
     for (const state of shown) this.drawTrail(pen, state, base, scale, this.follows ? 0.35 : 0.6);
-    const drawn = shown.map((state) => this.magnified(state, base));
     const top = drawn[drawn.length - 1];
     this.drawFree(pen, top, scale);
     if (!this.isOverlaid && top.run !== base.run) this.drawOutline(pen, base, scale, this.look.soft, [4, 3]);
@@ -155,7 +187,7 @@ class View extends Parts {
     if (this.numbers) this.drawNumbers(pen, top, scale);
     if (this.isShared) this.drawAnts(pen, top, scale); else for (const state of shown) this.drawAnts(pen, state, scale, this.isOverlaid && this.colorOf(state.run));
     this.drawScaleBar(pen, scale, width, height);
-    this.drawTitle(pen, shown, base);
+    this.drawTitle(pen, shown, base, width);
     pen.strokeStyle = this.look.faint;
     pen.strokeRect(0.5, 0.5, width - 1, height - 1);
   }
@@ -253,19 +285,27 @@ class View extends Parts {
     if (this.recorder) write(pen, `${this.time.toFixed(3)} s`, width / 2, y - 2, 'center', this.look.ink, '600 14px');
   }
 
-  drawTitle(pen, shown, base) {
-    let x = 12;
+  // Names of the runs, and how far they are apart: in the longest words that fit.
+  drawTitle(pen, shown, base, width) {
+    let [x, y] = [12, 22];
     for (const { run } of shown) {
+      pen.font = '600 14px system-ui, "DejaVu Sans", Verdana, sans-serif';
+      const wide = 18 + pen.measureText(run.label).width + 16;
+      if (x > 12 && x + wide > width) [x, y] = [12, y + 20];
       pen.fillStyle = this.colorOf(run);
-      pen.fillRect(x, 11, 12, 12);
-      write(pen, run.label, x + 18, 22, 'left', this.look.ink, '600 14px');
-      x += 18 + pen.measureText(run.label).width + 16;
+      pen.fillRect(x, y - 11, 12, 12);
+      write(pen, run.label, x + 18, y, 'left', this.look.ink, '600 14px');
+      x += wide;
     }
-    const apart = shown.filter((state) => state !== base).map((state) => {
-      const distance = withPrefix(this.apart(state, base), 'm');
-      return this.isOverlaid ? `${state.run.label} ${distance}` : distance;
-    });
+    const others = shown.filter((state) => state !== base);
+    if (!others.length) return;
+    const far = others.map((state) => withPrefix(this.apart(state, base), 'm'));
+    const named = this.isOverlaid ? others.map((state, at) => `${state.run.label} ${far[at]}`) : far;
     const drawn = this.factor === 1 ? '' : `, drawn ×${this.factor}`;
-    if (apart.length) write(pen, `edge displacement from ${base.run.label}: ${apart.join(', ')}${drawn}`, 12, 42, 'left', this.look.soft);
+    const words = [[`edge displacement from ${base.run.label}: ${named.join(', ')}${drawn}`], [`displacement from ${base.run.label}:`, `${named.join(', ')}${drawn}`],
+      ['edge displacement', ...named.map((text) => `${text}${drawn}`)], far.map((text) => `${text}${drawn}`)];
+    pen.font = '13px system-ui, "DejaVu Sans", Verdana, sans-serif';
+    const fits = words.find((lines) => lines.every((line) => pen.measureText(line).width < width - 20)) || words.at(-1);
+    fits.forEach((line, at) => write(pen, line, 12, y + 20 + 17 * at, 'left', this.look.soft));
   }
 }
