@@ -31,6 +31,7 @@ from ._run import Event, Run, Trace, run
 from ._scenario import Scenario
 from ._simulation import Simulation
 from ._sweep import Sweep, sweep
+from ._view import view
 
 __all__ = [
     "BACKENDS",
@@ -61,4 +62,5 @@ __all__ = [
     "spring",
     "sweep",
     "tips",
+    "view",
 ]

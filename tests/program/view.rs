@@ -6,7 +6,7 @@ mod root;
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, Stdio};
+use std::process::{Child, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
 
 use cohaul::backend::BackendKind;
@@ -275,18 +275,24 @@ fn sliders_change_what_they_name() {
 /// `cohaul view` as a child; it ends with this.
 struct Served {
     child: Child,
+    printed: BufReader<ChildStdout>,
     host: String,
     token: String,
 }
 
 impl Served {
     fn start(scenario: &str) -> Self {
+        Self::with(&[scenario])
+    }
+
+    fn with(options: &[&str]) -> Self {
         let mut command = root::cohaul();
-        let mut child = command.args(["view", scenario]).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut child = command.arg("view").args(options).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut link = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut link).unwrap();
+        let mut printed = BufReader::new(child.stdout.take().unwrap());
+        printed.read_line(&mut link).unwrap();
         let (host, token) = link.trim().strip_prefix("http://").unwrap().split_once("/?token=").unwrap();
-        Self { host: host.to_owned(), token: token.to_owned(), child }
+        Self { host: host.to_owned(), token: token.to_owned(), child, printed }
     }
 
     /// Status, head and body of the reply to a request for this host.
@@ -534,6 +540,23 @@ fn a_page_hears_why_it_is_closed() {
     };
     assert_eq!((u16::from(why.code), why.reason.as_str()), (1001, "the server has ended"));
     assert!(served.child.wait().is_ok());
+}
+
+/// A page hands its scene back: the program prints it as a scenario that it reads again, and ends.
+#[test]
+fn a_changed_scene_is_handed_back() {
+    let mut served = Served::with(&["--hand-back", "scenarios/analytic/release-jump.json"]);
+    let (_, _, body) = served.get(&format!("/?token={}", served.token), &served.host);
+    assert!(body.contains("data-hands-back"));
+    let mut page = served.page();
+    ask(&mut page, &json!({ "do": "set", "what": "mass", "value": 0.0032 }));
+    ask(&mut page, &json!({ "do": "hand-back" }));
+    told(&mut page, "handed");
+    let mut text = String::new();
+    served.printed.read_line(&mut text).unwrap();
+    let mass = Scenario::parse(&text, "handed").unwrap().system.load.mass;
+    assert!((mass / 0.0032 - 1.0).abs() < 1e-12, "{mass}");
+    assert!(served.child.wait().unwrap().success());
 }
 
 /// A request whose head does not end is not waited for.

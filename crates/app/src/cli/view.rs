@@ -26,6 +26,9 @@ pub struct ViewArgs {
     /// Port of the page [default: 7329 if it is free, else any]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     port: u16,
+    /// Waits until the page hands its scene back, prints it as a scenario on one line, and ends
+    #[arg(long)]
+    hand_back: bool,
 }
 
 pub fn view(args: &ViewArgs) -> Result<ExitCode, CliError> {
@@ -37,9 +40,11 @@ pub fn view(args: &ViewArgs) -> Result<ExitCode, CliError> {
         }
         None => Scenario::parse(shipped(FIRST).expect("it is shipped"), FIRST)?,
     };
-    let server = Server::bind(args.port, LiveScene::new(scenario))?;
+    let server = Server::bind(args.port, LiveScene::new(scenario), args.hand_back)?;
     print(&format!("{}\n", server.link()))?;
     note("Open this link in a browser; Ctrl-C ends.");
-    server.serve(|| !is_interrupted())?;
+    if let Some(handed) = server.serve(|| !is_interrupted())? {
+        print(&format!("{handed}\n"))?;
+    }
     Ok(ExitCode::SUCCESS)
 }

@@ -111,6 +111,7 @@ function connect() {
     comparing: (progress) => verdict.comparing(progress),
     verdict: (judged) => verdict.judged(judged),
     saved: async (saved) => { await keeper.take(saved); if (live.editor.isOn) live.editor.accept(saved.scenario); },
+    handed: () => told('The scene is handed back.'),
     refused({ why }) { told(why); live?.editor.answered(false); },
   };
   socket.addEventListener('message', ({ data }) => { const message = JSON.parse(data); acts[message.tell](message); });

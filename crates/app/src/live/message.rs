@@ -60,6 +60,8 @@ pub enum Ask {
         saved: Saved,
     },
     Save,
+    /// Hands the scene to who opened the page, and ends the server.
+    HandBack,
 }
 
 /// Everything that a page shows, as a file or a link holds it.
@@ -102,6 +104,8 @@ pub enum Tell {
     },
     Verdict(Judged),
     Saved(Saved),
+    /// The scene that was handed back.
+    Handed(Saved),
     /// What was asked is not done, with the reason.
     Refused {
         why: String,

@@ -34,8 +34,9 @@ fn terms() -> String {
     format!("const TERMS = {};\n", serde_json::to_string(&meanings).expect("texts are JSON").replace("</", "<\\/"))
 }
 
-/// The page, and the policy under which it runs: only this script, and only this server.
-pub fn html() -> (String, String) {
+/// The page, which `hands_back` its scene or does not, and the policy under which it runs: only
+/// this script, and only this server.
+pub fn html(hands_back: bool) -> (String, String) {
     let hash = STANDARD.encode(Sha256::digest(SCRIPT.as_bytes()));
     let policy = format!(
         "default-src 'none'; script-src 'sha256-{hash}'; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'; \
@@ -52,7 +53,7 @@ pub fn html() -> (String, String) {
                 link rel="icon" href="data:,";
                 style { (PreEscaped(STYLE)) (PreEscaped(include_str!("live.css"))) }
             }
-            body {
+            body data-hands-back[hands_back] {
                 header { p.kicker { "cohaul, live" } h1 { "…" } }
                 main.live {
                     section.headline.none #verdict aria-live="polite" {

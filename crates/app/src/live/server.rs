@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,7 @@ use axum::routing::get;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use serde_json::Value;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tokio::sync::watch;
 
@@ -87,15 +88,17 @@ struct Shared {
     turn: Arc<Mutex<()>>,
     /// Whether the server ends.
     ends: watch::Receiver<bool>,
+    /// The scenario that a page handed back; `None` on a server that does not wait for one.
+    handed: Option<OnceLock<Value>>,
 }
 
 impl Server {
     /// A server of this scene at a port of the loopback interface, or at the usual or any free one
-    /// for port 0.
+    /// for port 0. Whether it waits for a page to `hand_back` its scene is shown there.
     ///
     /// # Errors
     /// When the port is taken, or the system has no random numbers.
-    pub fn bind(port: u16, scene: LiveScene) -> Result<Self, ServerError> {
+    pub fn bind(port: u16, scene: LiveScene, hand_back: bool) -> Result<Self, ServerError> {
         let at = |port| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
         let usual = if port == 0 { at(USUAL_PORT).ok() } else { None };
         let listener = usual.map_or_else(|| at(port), Ok).map_err(|source| ServerError::Port { port, source })?;
@@ -104,7 +107,8 @@ impl Server {
         getrandom::fill(&mut random).map_err(ServerError::Token)?;
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
         let (end, ends) = watch::channel(false);
-        let shared = Shared { token, port, scene, n_pages: AtomicUsize::new(0), turn: Arc::default(), ends };
+        let shared =
+            Shared { token, port, scene, n_pages: AtomicUsize::new(0), turn: Arc::default(), ends, handed: hand_back.then(OnceLock::new) };
         Ok(Self { listener, shared: Arc::new(shared), end })
     }
 
@@ -112,12 +116,12 @@ impl Server {
         format!("http://127.0.0.1:{}/?token={}", self.shared.port, self.shared.token)
     }
 
-    /// Serves pages as long as `goes_on` says so. All sessions end with it, and their pages hear
-    /// why.
+    /// Serves pages as long as `goes_on` says so, or until one hands its scenario back, which is
+    /// returned. All sessions end with it, and their pages hear why.
     ///
     /// # Errors
     /// When the system refuses a server.
-    pub fn serve(self, goes_on: impl Fn() -> bool) -> Result<(), ServerError> {
+    pub fn serve(self, goes_on: impl Fn() -> bool) -> Result<Option<Value>, ServerError> {
         self.listener.set_nonblocking(true).map_err(ServerError::System)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServerError::System)?;
         let shared = Arc::clone(&self.shared);
@@ -125,7 +129,7 @@ impl Server {
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(self.listener)?;
             let stopped = async {
-                while goes_on() {
+                while goes_on() && shared.handed().is_none() {
                     tokio::time::sleep(Duration::from_millis(50)).await;
                 }
             };
@@ -138,7 +142,7 @@ impl Server {
             while shared.n_pages.load(Ordering::Relaxed) > 0 && Instant::now() < last {
                 tokio::time::sleep(Duration::from_millis(10)).await;
             }
-            Ok(())
+            Ok(shared.handed().cloned())
         });
         served.map_err(ServerError::System)
     }
@@ -160,6 +164,10 @@ async fn accept(listener: &tokio::net::TcpListener, app: &Router) {
 }
 
 impl Shared {
+    fn handed(&self) -> Option<&Value> {
+        self.handed.as_ref()?.get()
+    }
+
     /// # Errors
     /// When the request is for another host, or without the token.
     fn check(&self, headers: &HeaderMap, query: Option<&str>) -> Result<(), Refusal> {
@@ -199,7 +207,7 @@ async fn page(State(shared): State<Arc<Shared>>, headers: HeaderMap, RawQuery(qu
     if let Err(refusal) = shared.check(&headers, query.as_deref()) {
         return refusal.into_response();
     }
-    let (html, policy) = page::html();
+    let (html, policy) = page::html(shared.handed.is_some());
     let headers = [
         (header::CONTENT_TYPE, "text/html; charset=utf-8".to_owned()),
         (header::CONTENT_SECURITY_POLICY, policy),
@@ -236,14 +244,19 @@ async fn socket(State(shared): State<Arc<Shared>>, headers: HeaderMap, RawQuery(
 
 /// A page from its opening to its end. Its runs have a thread of their own, which ends when either
 /// channel does, and at once when the page is closed.
-async fn serve_page(shared: &Shared, mut socket: WebSocket) {
+async fn serve_page(shared: &Arc<Shared>, mut socket: WebSocket) {
     let (ask, asks) = sync_channel(64);
     let (tell, mut told) = channel(8);
     let (scene, judge) = (shared.scene.clone(), Judge::new(Arc::clone(&shared.turn)));
     let (tell_page, stop) = (tell.clone(), Stop::default());
-    let of_session = stop.clone();
+    let (of_session, of_server) = (stop.clone(), Arc::clone(shared));
     thread::spawn(move || {
-        let tell = move |what: Tell| send(&tell_page, &what);
+        let tell = move |what: Tell| {
+            if let (Tell::Handed(saved), Some(handed)) = (&what, &of_server.handed) {
+                let _ = handed.set(saved.scenario.clone());
+            }
+            send(&tell_page, &what)
+        };
         let _: Option<Result<(), Gone>> = of_session.run(|| Session::new(&scene, judge, tell).run(scene, &asks));
     });
     drop(tell);

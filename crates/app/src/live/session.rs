@@ -258,6 +258,7 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
             Ask::Drawn { frame } => self.n_drawn = frame.min(self.n_sent).max(self.n_drawn),
             Ask::Drag { handle, to } => self.held = Some((handle, Vec2::from(to))),
             Ask::Drop if self.held.take().is_some() => self.compare(lanes.scene()),
+            Ask::HandBack => (self.tell)(Tell::Handed(lanes.scene().saved(lanes.time())))?,
             Ask::Save => (self.tell)(Tell::Saved(lanes.scene().saved(lanes.time())))?,
             _ => {}
         }

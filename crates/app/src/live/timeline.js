@@ -179,7 +179,8 @@ class Timeline extends Stage {
     this.editButton = edit;
     return [...controls, edit, this.keeper.undoButton, this.keeper.redoButton,
       button('Save scenario', 'Saves the scene with all that was dragged as a scenario file', () => this.keeper.ask((saved) => this.saveFile(saved))),
-      button('Copy link', 'A link to this page as it stands now', () => this.keeper.ask(() => this.copyLink()))];
+      button('Copy link', 'A link to this page as it stands now', () => this.keeper.ask(() => this.copyLink())),
+      ...('handsBack' in document.body.dataset ? [button('Hand back', 'Returns this scene to the program that opened the page, and ends', () => this.send({ do: 'hand-back' }), 'hand')] : [])];
   }
 
   saveFile(saved) {
