@@ -97,10 +97,7 @@ function connect() {
     scene(scene) {
       document.querySelector('h1').textContent = scene.name;
       document.title = `${scene.name}, live`;
-      if (live) live.adopt(scene); else {
-        live = new Live(document.querySelector('figure.replay'), scene, send, keeper);
-        document.querySelector('aside.panel').after(live.editor.box);
-      }
+      if (live) live.adopt(scene); else live = new Live(document.querySelector('figure.replay'), scene, send, keeper);
       panel.show(scene);
       showNumbers(scene.numbers);
       verdict.waiting();

@@ -175,7 +175,8 @@ class Editor {
     const axes = at.includes('waypoints') ? ['time_s', 'x_m', 'y_m', 'heading_rad'] : ['x', 'y'];
     const last = at.at(-1);
     if (typeof last === 'number') below.splice(-1, 1, axes[last] ?? last);
-    return below.join(' ');
+    // Long keys may break after an underscore.
+    return below.join(' ').replaceAll('_', '_\u200b');
   }
 
   // The grips in a view, the chosen one filled.

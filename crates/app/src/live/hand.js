@@ -12,6 +12,8 @@ class Live extends Timeline {
     }
     this.goTo(0);
     this.wasOverlaid = this.isOverlaid;
+    // Beside the drawing, or right below it.
+    if (innerWidth > 900) document.querySelector('.side').prepend(this.editor.box); else this.figure.after(this.editor.box);
     this.keeper.ask(({ scenario }) => {
       this.editor.show(scenario);
       [this.isOverlaid, this.follows] = [this.data.runs.length > 1, false];
@@ -104,7 +106,7 @@ class Live extends Timeline {
     const found = this.nearest(pointer);
     if (!found) return false;
     if (this.scene.ants_on && found.spring !== undefined) {
-      told('The ants move the tips: switch them off to drag one.');
+      told('The ants move the tips.', { acts: [['Switch them off', () => this.change({ do: 'ants', on: false })]] });
       return false;
     }
     this.still = new Map();

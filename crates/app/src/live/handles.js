@@ -115,7 +115,8 @@ const ADDERS = {
   spring(scene, _, size) {
     const limit = scene.ground.friction_coefficient * scene.ground.supports.reduce((sum, { normal_load_n: load }) => sum + load, 0);
     const like = scene.springs.at(-1) || { rest_length_m: 2 * size, radial_stiffness_n_per_m: (limit || 1) / size, torsional_stiffness_nm_per_rad: 0, damping_ratio: 0 };
-    const bearing = (like.bearing_rad ?? Math.PI / 2) - Math.PI / 2;
+    // By the golden angle from the one before, so that many spread evenly.
+    const bearing = (2.399963 * scene.springs.length) % (2 * Math.PI);
     scene.springs.push({ ...structuredClone(like), root_m: [size * Math.cos(bearing), size * Math.sin(bearing)], bearing_rad: bearing });
     return ['springs', scene.springs.length - 1];
   },

@@ -20,6 +20,16 @@ async function unpacked(letters) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate-raw'))).text();
 }
 
+// Texts that the browser keeps, as far as it has room and is allowed to.
+const store = {
+  get(key) {
+    try { return localStorage.getItem(key); } catch { return null; }
+  },
+  set(key, text) {
+    try { localStorage.setItem(key, text); } catch { /* The page works without. */ }
+  },
+};
+
 // What makes two states the same, at whichever time they are seen.
 function identity({ time_s: _, ...rest }) {
   return JSON.stringify(rest);
@@ -64,9 +74,7 @@ class Keeper {
     if (isNew) {
       this.at += 1;
       this.most = this.at;
-      try {
-        localStorage.setItem(STORED, JSON.stringify({ when: Date.now(), name: saved.scenario.name, saved }));
-      } catch { /* There is no room, or none is allowed. */ }
+      store.set(STORED, JSON.stringify({ when: Date.now(), name: saved.scenario.name, saved }));
     }
     if (letters.length < LONGEST) {
       const state = { at: this.at, most: this.most };
@@ -83,11 +91,7 @@ class Keeper {
 
   // What was stored by an earlier page, with its name and time.
   get stored() {
-    try {
-      return JSON.parse(localStorage.getItem(STORED)) ?? undefined;
-    } catch {
-      return undefined;
-    }
+    try { return JSON.parse(store.get(STORED)) ?? undefined; } catch { return undefined; }
   }
 
   go(by) {
@@ -96,7 +100,7 @@ class Keeper {
     // The last change is not kept yet.
     clearTimeout(this.timer);
     this.timer = undefined;
-    this.ask(() => history.go(by));
+    this.ask(() => { if (by > 0 || this.at > 0) history.go(by); });
   }
 
   // Opens what the address holds after Back and Forward.

@@ -32,8 +32,8 @@ class Panel {
   trials() {
     const items = TRIALS.map(([text, name, act]) => element('li', {}, `${text}. `, button(name, '', () => act(this.live(), this), 'small')));
     const box = element('details', { class: 'trials' }, element('summary', {}, 'Try this'), element('ol', {}, ...items));
-    box.open = !localStorage.getItem(TRIED);
-    box.addEventListener('toggle', () => { if (box.open) localStorage.removeItem(TRIED); else localStorage.setItem(TRIED, 'yes'); });
+    box.open = store.get(TRIED) !== 'yes';
+    box.addEventListener('toggle', () => store.set(TRIED, box.open ? 'no' : 'yes'));
     return box;
   }
 

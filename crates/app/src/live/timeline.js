@@ -295,7 +295,7 @@ class Timeline extends Stage {
       for (const pull of pulls) data.largest_pull = Math.max(data.largest_pull, pull || 0);
       for (const [, , fx, fy] of contacts) data.force_unit = Math.max(data.force_unit, Math.hypot(fx, fy));
       if (twist) data.slip_unit = Math.max(data.slip_unit, Math.hypot(twist[0], twist[1]) + data.radius * Math.abs(twist[2]));
-      const around = 1.3 * data.radius;
+      const around = this.reach / 1.7;
       if (pose) this.widen(pose[0] - around, pose[1] - around, pose[0] + around, pose[1] + around);
     }
     for (const tip of now.stages.flatMap(({ tips }) => tips)) if (tip) this.widen(tip[0], tip[1], tip[0], tip[1]);
