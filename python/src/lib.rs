@@ -5,6 +5,7 @@
 //! options.rs     options of a backend and settings of a comparison
 //! work.rs        computing without the interpreter's lock: interrupts, progress, panics
 //! trace.rs       columns of a trace, which numpy reads in place
+//! import.rs      scenarios from recordings and drawings
 //! run.rs         one run
 //! controller.rs  a controller that is written in Python
 //! engine.rs      an engine that is written in Python
@@ -55,4 +56,10 @@ mod _native {
     use super::sweep::{SweepData, sweep};
     #[pymodule_export]
     use super::trace::{Column, TraceData};
+
+    #[pymodule_init]
+    fn named(_: &super::Bound<'_, super::PyModule>) -> super::PyResult<()> {
+        cohaul_report::manifest::built_from(option_env!("COHAUL_COMMIT"));
+        Ok(())
+    }
 }

@@ -3,5 +3,6 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    cohaul_report::manifest::built_from(option_env!("COHAUL_COMMIT"));
     cohaul_app::cli::main()
 }

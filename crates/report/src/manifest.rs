@@ -1,5 +1,6 @@
 //! Where a result comes from: enough to run it again and to know on what it ran.
 
+use std::sync::OnceLock;
 use std::time::SystemTime;
 
 use serde::Serialize;
@@ -120,7 +121,16 @@ impl Manifest {
 
 /// Version of this program, and the commit that it was built from, if that is known.
 pub fn build_of_program() -> (&'static str, Option<&'static str>) {
-    (env!("CARGO_PKG_VERSION"), option_env!("COHAUL_COMMIT"))
+    (env!("CARGO_PKG_VERSION"), COMMIT.get().copied())
+}
+
+static COMMIT: OnceLock<&'static str> = OnceLock::new();
+
+/// Says which commit the program is built from, which only its own build script knows.
+pub fn built_from(commit: Option<&'static str>) {
+    if let Some(commit) = commit {
+        COMMIT.get_or_init(|| commit);
+    }
 }
 
 /// Compiler of this program, if it is known.
