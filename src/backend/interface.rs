@@ -2,7 +2,8 @@
 
 use super::report::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use super::springs::AttachedTip;
-use crate::math::Vec2;
+use crate::math::{Pose, Vec2};
+use crate::model::ObstaclePose;
 
 /// What a backend computes beside the pose of the load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +61,23 @@ pub trait Backend: Send {
     /// that is not positive, are answered by [`super::Status::Failed`], and nothing moves. After
     /// such tips rapier does not move again.
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport;
+
+    /// Sends an obstacle along a `course` from now on: times from now (s), increasing from 0, and
+    /// poses (m, rad, world). It moves straight from pose to pose, first from where it is, and
+    /// stands after the last one. A course that begins at the time 0 begins at its pose.
+    ///
+    /// Returns whether it did. It does not if there is no such obstacle, if the course is none or
+    /// has numbers that are not finite, and by default: for a backend whose obstacles keep to the
+    /// paths of the scenario.
+    fn steer(&mut self, _obstacle: usize, _course: &[(f64, Pose)]) -> bool {
+        false
+    }
+
+    /// Poses of the obstacles that were steered, in their order. All others are on the paths of the
+    /// scenario.
+    fn steered(&self) -> Vec<ObstaclePose> {
+        Vec::new()
+    }
 
     /// Pose and twist of the load. A method without inertia reports the last displacement over its
     /// time as the twist.

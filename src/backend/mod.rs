@@ -19,6 +19,7 @@ mod report;
 mod shared;
 mod shortcuts;
 pub mod springs;
+mod steered;
 mod stepping;
 mod tandem;
 mod tolerance;

@@ -18,7 +18,7 @@ use super::numerics::{SHARED_AT_OBSTACLES, SHARED_ERROR, TANDEM_SAFETY};
 use super::report::{PoseError, RestoreError, SaveError, SavedState, StepReport};
 use super::tolerance::Tolerance;
 use super::wrapped::{Hook, Wrapped};
-use crate::math::Vec2;
+use crate::math::{Pose, Vec2};
 use crate::model::System;
 
 /// The less exact of the two backends, and what the two runs show of the error.
@@ -55,6 +55,10 @@ impl Hook for Check {
     fn release(&mut self, answer: &mut dyn Backend, spring: usize) {
         answer.release(spring);
         self.backend.release(spring);
+    }
+
+    fn steer(&mut self, answer: &mut dyn Backend, obstacle: usize, course: &[(f64, Pose)]) -> bool {
+        answer.steer(obstacle, course) && self.backend.steer(obstacle, course)
     }
 
     /// The report counts the work of both.

@@ -3,7 +3,8 @@
 use super::interface::{Backend, Computes};
 use super::report::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use super::springs::AttachedTip;
-use crate::math::Vec2;
+use crate::math::{Pose, Vec2};
+use crate::model::ObstaclePose;
 
 /// What a [`Wrapped`] backend does besides passing a call on. Each default only passes it on.
 pub trait Hook: Send {
@@ -13,6 +14,10 @@ pub trait Hook: Send {
 
     fn release(&mut self, inside: &mut dyn Backend, spring: usize) {
         inside.release(spring);
+    }
+
+    fn steer(&mut self, inside: &mut dyn Backend, obstacle: usize, course: &[(f64, Pose)]) -> bool {
+        inside.steer(obstacle, course)
     }
 
     fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
@@ -58,6 +63,14 @@ impl<H: Hook> Backend for Wrapped<H> {
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
         self.hook.advance(self.inside.as_mut(), tip_targets, duration)
+    }
+
+    fn steer(&mut self, obstacle: usize, course: &[(f64, Pose)]) -> bool {
+        self.hook.steer(self.inside.as_mut(), obstacle, course)
+    }
+
+    fn steered(&self) -> Vec<ObstaclePose> {
+        self.inside.steered()
     }
 
     fn computes(&self) -> Computes {

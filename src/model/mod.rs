@@ -28,4 +28,4 @@ pub use outline::{Outline, OutlinePart};
 pub use spring::{PolarSpring, Reaction, SpringShape};
 pub use spring_design::SpringDesign;
 pub use support::{Ground, SupportPoint};
-pub use world::{Obstacle, ObstaclePath, SideFrictionRule, World};
+pub use world::{Obstacle, ObstaclePath, ObstaclePose, SideFrictionRule, World};

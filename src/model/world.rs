@@ -33,10 +33,19 @@ pub struct Obstacle {
 
 /// Poses over time: straight in position and heading between the waypoints, constant before the
 /// first and after the last one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObstaclePath {
     /// Times (s), strictly increasing, and poses (m, rad, world); at least one.
     pub waypoints: Vec<(f64, Pose)>,
+}
+
+/// Where an obstacle is, or shall be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObstaclePose {
+    /// Index in [`World::obstacles`].
+    pub obstacle: usize,
+    /// Pose of the obstacle's frame (m, rad, world).
+    pub pose: Pose,
 }
 
 /// Combination of the coefficients of side friction of the load and an obstacle.
@@ -96,6 +105,20 @@ impl ObstaclePath {
     /// An obstacle that stands still.
     pub fn fixed(pose: Pose) -> Self {
         Self { waypoints: vec![(0.0, pose)] }
+    }
+
+    /// Replaces what comes after `now` (s) by a `course` of times from now (s) and poses. It leads
+    /// from where the obstacle is, or from the pose of the time 0. The part of the path that ends
+    /// now stays.
+    pub fn steer(&mut self, now: f64, course: &[(f64, Pose)]) {
+        let here = (now, self.pose_at(now));
+        let n_before = self.waypoints.partition_point(|(time, _)| *time < now);
+        self.waypoints.truncate(n_before);
+        self.waypoints.drain(..n_before.saturating_sub(1));
+        if course.first().is_none_or(|(after, _)| *after > 0.0) {
+            self.waypoints.push(here);
+        }
+        self.waypoints.extend(course.iter().map(|(after, pose)| (now + after, *pose)));
     }
 
     /// Whether the obstacle ever moves.
@@ -169,6 +192,22 @@ impl ObstaclePath {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_steered_obstacle_leaves_its_path_from_where_it_is() {
+        let at = |x: f64| Pose::new(x, 0.0, 0.0);
+        let mut path = ObstaclePath { waypoints: vec![(0.0, at(0.0)), (1.0, at(1.0)), (4.0, at(4.0))] };
+        path.steer(2.0, &[(1.0, at(0.0))]);
+        assert_eq!(path.waypoints, [(1.0, at(1.0)), (2.0, at(2.0)), (3.0, at(0.0))]);
+        assert_eq!([1.5, 2.5, 9.0].map(|time| path.pose_at(time).position.x), [1.5, 1.0, 0.0]);
+        // The second part begins where the first one ends, and keeps its velocity.
+        path.steer(3.0, &[(0.5, at(2.0)), (1.0, at(3.0))]);
+        assert_eq!(path.twist_after(2.5).linear.x, -2.0);
+        assert_eq!([3.25, 3.75].map(|time| path.twist_after(time).linear.x), [4.0, 2.0]);
+        let mut placed = ObstaclePath::fixed(at(0.0));
+        placed.steer(0.0, &[(0.0, at(7.0))]);
+        assert_eq!(placed, ObstaclePath::fixed(at(7.0)));
+    }
 
     #[test]
     fn an_obstacle_stands_before_and_after_its_path() {

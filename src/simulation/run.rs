@@ -7,7 +7,9 @@ use super::controllers::{Commands, Controller, View, controller_of};
 use super::repeats::Repeats;
 use super::resolution::Resolution;
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
-use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Computes, Motion, Status, Transition, build, judge_exact};
+use crate::backend::{
+    AttachedTip, AttachedTips, Backend, BackendOptions, Computes, Motion, Status, StepReport, Transition, build, judge_exact,
+};
 use crate::model::System;
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
@@ -192,9 +194,14 @@ impl<'a> Simulation<'a> {
         self.act();
         self.record(motion);
         let until = self.clock.next(self.controller.next_instant(time), |time| scenario.system.world.next_corner(time));
+        let is_steered = scenario.system.world.is_empty() || self.steer(motion, until);
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.controller.targets(&view, until);
-        let report = self.backend.advance(targets, until - time);
+        let report = if is_steered {
+            self.backend.advance(targets, until - time)
+        } else {
+            StepReport { status: Status::Failed, ..StepReport::default() }
+        };
         self.totals.doubtful.note(&report, time);
         self.totals.steps.add(&report);
         self.observe();
@@ -292,6 +299,16 @@ impl<'a> Simulation<'a> {
         self.clock.is_at_end() || self.controller.arrived(motion) == Some(true)
     }
 
+    /// Sends obstacles where they shall be at the time `until` (s). Returns whether the backend
+    /// does it.
+    fn steer(&mut self, motion: Motion, until: f64) -> bool {
+        let (tick, skips) = (self.clock.tick_now(), self.options.skips);
+        let (scenario, time) = (self.scenario, self.clock.time);
+        let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
+        let targets = self.controller.pushers(&view, until);
+        targets.iter().all(|target| self.backend.steer(target.obstacle, &[(until - time, target.pose)]))
+    }
+
     /// Carries out the commands and empties them.
     fn act(&mut self) {
         for event in &self.commands.events {
@@ -339,15 +356,19 @@ impl<'a> Simulation<'a> {
     fn add_between(&mut self, motion: Motion) {
         let (energy, error) = (self.backend.energy(), self.backend.pose_error());
         let (time, contacts, tips) = (self.clock.time, self.backend.side_contacts(), self.tips.clone());
-        self.trace.between.push(Row { time, motion, energy, tips, contacts, error });
+        let steered = self.backend.steered();
+        self.trace.between.push(Row { time, motion, energy, tips, contacts, steered, error });
     }
 
     /// Adds a row at every tick, at the ends of parts of control periods, and at the end.
     fn record(&mut self, motion: Motion) {
         if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
             let (energy, error) = (self.backend.energy(), self.backend.pose_error());
-            let contacts = if self.scenario.system.world.is_empty() { Vec::new() } else { self.backend.side_contacts() };
-            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
+            let (contacts, steered) = match self.scenario.system.world.is_empty() {
+                true => (Vec::new(), Vec::new()),
+                false => (self.backend.side_contacts(), self.backend.steered()),
+            };
+            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, steered, error });
             // The row is long, so its tips are written in place.
             self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
         } else if self.keep == Keep::Trace {
@@ -360,6 +381,7 @@ impl<'a> Simulation<'a> {
                 energy: backend.energy(),
                 tips: attached_tips(self.scenario, backend),
                 contacts: backend.side_contacts(),
+                steered: backend.steered(),
                 error: None,
             };
             self.trace.companion.extend(self.backend.companion().map(row));

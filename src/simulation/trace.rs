@@ -5,8 +5,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Account, DoubtTimes, Resolution};
 use crate::backend::{AttachedTips, EnergyLedger, Motion, PoseError, SideContact, StepReport, Transition, TransitionCounts};
-use crate::math::{Summary, Vec2};
-use crate::model::interaction_force;
+use crate::math::{Pose, Summary, Vec2};
+use crate::model::{Obstacle, ObstaclePath, ObstaclePose, World, interaction_force};
 
 /// What is kept of a run while it goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -48,6 +48,9 @@ pub struct Row {
     /// Closed contacts with obstacles, with their forces in the step before the instant.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<SideContact>,
+    /// Poses of the obstacles that were steered, in place of the paths of the scenario.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub steered: Vec<ObstaclePose>,
     /// Estimated error of the pose; `None` where the backend estimates none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
@@ -61,7 +64,30 @@ fn from_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<AttachedTips,
     Vec::deserialize(deserializer).map(AttachedTips::from_vec)
 }
 
+impl Trace {
+    /// The world of this run, in which obstacles that were steered have the paths that they took.
+    pub fn world(&self, world: &World) -> World {
+        let mut world = world.clone();
+        for (index, obstacle) in world.obstacles.iter_mut().enumerate() {
+            if self.rows.iter().any(|row| row.steered_pose(index).is_some()) {
+                let waypoints = self.rows.iter().map(|row| (row.time, row.pose_of(index, obstacle))).collect();
+                obstacle.path = ObstaclePath { waypoints };
+            }
+        }
+        world
+    }
+}
+
 impl Row {
+    fn steered_pose(&self, obstacle: usize) -> Option<Pose> {
+        self.steered.iter().find(|steered| steered.obstacle == obstacle).map(|steered| steered.pose)
+    }
+
+    /// Pose of the obstacle of this index at this instant (m, rad, world).
+    pub fn pose_of(&self, index: usize, obstacle: &Obstacle) -> Pose {
+        self.steered_pose(index).unwrap_or_else(|| obstacle.path.pose_at(self.time))
+    }
+
     /// Whether the load touches two obstacles at once, which may bear it in more than one way.
     pub fn touches_two(&self) -> bool {
         self.contacts.windows(2).any(|pair| pair[0].obstacle != pair[1].obstacle)

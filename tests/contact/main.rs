@@ -12,3 +12,4 @@ mod quasi_static;
 mod random;
 mod random_scene;
 mod scenes;
+mod steered;

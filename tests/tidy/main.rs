@@ -28,7 +28,7 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
     &["friction", "springs"],
     &["increment"],
     &["contact", "shortcuts"],
-    &["interface", "shared", "unmoved", "wrapped"],
+    &["interface", "shared", "steered", "unmoved", "wrapped"],
     &["exact", "options", "rapier", "stepping", "tolerance"],
     &["default_step", "tandem"],
 ];
@@ -36,11 +36,11 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 7] = [
-    ("src", 40_170),
+    ("src", 40_600),
     ("crates/engines/src", 1_120),
-    ("crates/report/src", 8_785),
-    ("crates/studies/src", 24_150),
-    ("crates/paper/src", 11_190),
+    ("crates/report/src", 8_820),
+    ("crates/studies/src", 24_170),
+    ("crates/paper/src", 11_200),
     // The readers of twelve formats and of what is wrong with them.
     ("crates/recordings/src", 3_790),
     ("crates/app/src", 8_260),

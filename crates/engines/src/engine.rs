@@ -116,6 +116,10 @@ impl<'a> Engine<'a> {
         let runs = runs.engine(&make).named(&self.name);
         let runs = another.map_or(runs, |another| runs.beside(another));
         let watch = |share: f64| watch(share) && self.is_well();
-        if tier == Tier::Prescribed { runs.prescribed(watch) } else { runs.replayed(watch) }
+        match tier {
+            Tier::Prescribed => runs.prescribed(watch),
+            Tier::Controlled => runs.controlled(watch),
+            Tier::Replayed | Tier::ClosedLoop => runs.replayed(watch),
+        }
     }
 }

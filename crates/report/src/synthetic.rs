@@ -91,6 +91,7 @@ pub fn trace(n_rows: usize, lag: f64) -> Trace {
             energy: energy(time, lag),
             tips: tips.into(),
             contacts: Vec::new(),
+            steered: Vec::new(),
             error: None,
         });
     }

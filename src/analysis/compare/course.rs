@@ -45,6 +45,8 @@ pub(super) struct Course {
     pub edge_speed: Speed,
     /// Energy dissipated so far (J).
     pub dissipated: Signal,
+    /// Measure of one's own at the end; empty without one.
+    pub own: Signal,
 }
 
 impl From<f64> for Ranged {
@@ -100,7 +102,17 @@ impl Course {
             speed: speed(0.0),
             edge_speed: speed(system.load.radius),
             dissipated: ticks.iter().map(|row| computes.energy.then(|| dissipated(&row.energy).into())).collect(),
+            own: Signal::new(),
         }
+    }
+
+    /// With a number of the whole run at its end; none that is not finite.
+    pub fn with_own(self, value: f64) -> Self {
+        let mut own: Signal = vec![None; self.times.len()];
+        if let Some(last) = own.last_mut().filter(|_| value.is_finite()) {
+            *last = Some(value.into());
+        }
+        Self { own, ..self }
     }
 }
 

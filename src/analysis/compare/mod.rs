@@ -72,7 +72,7 @@ pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
 pub use quantity::{FirstDivergence, Open, QuantityVerdict, Verdicts};
 pub use reduced::RunMeasure;
 pub use seed_runs::SeedRuns;
-pub use settings::{LEAST_HALVINGS, LEAST_MOTION, MakeController, Settings, Tier};
+pub use settings::{LEAST_HALVINGS, LEAST_MOTION, MakeController, OwnMeasure, Settings, Tier};
 pub use solution::{Point, Solution};
 pub use suggestion::{SuggestedChange, Tried};
 pub use three_way::ThreeWay;

@@ -306,7 +306,7 @@ fn judge(question: &Question, mut solutions: [Solution; 3], extras: Extras) -> P
     solutions.iter_mut().for_each(|solution| solution.shorten_to(n_instants));
     let ([quasi_static, inertial, engine_run], radius) = (&solutions, scenario.system.load.radius);
     let reference_error = ReferenceError::of(&solutions, radius);
-    let (jumps, no_jumps) = (Jumps::of(&quasi_static.trace, scenario.control_period), Jumps::default());
+    let (jumps, none) = (Jumps::of(&quasi_static.trace, scenario.control_period), Jumps::default());
     let inertia_effect = Difference::outside_jumps(&inertial.points, &quasi_static.points, radius, &jumps);
     let of_engine = |path| Difference::between(&engine_run.points, path, radius);
     let (engine_error, time_step_error) = (of_engine(&inertial.points), of_engine(&engine_run.limit));
@@ -314,13 +314,13 @@ fn judge(question: &Question, mut solutions: [Solution; 3], extras: Extras) -> P
     let tolerance_m = settings.tolerance_path(path_length_m, radius);
     let attributed = Attributed::new(&scenario.system, [inertial, quasi_static], &jumps, settings.rate_independent);
     let pair = |paths, jumps, attributed| PathPair::new(paths, scenario, tolerance_m, jumps, attributed);
-    let by_inertia = pair([inertial, quasi_static], &jumps, Some(&attributed));
-    let by_engine = pair([engine_run, inertial], &no_jumps, None);
+    let (by_inertia, by_engine) = (pair([inertial, quasi_static], &jumps, Some(&attributed)), pair([engine_run, inertial], &none, None));
     let [inertia, engine, reference] = [&inertia_effect, &engine_error, &reference_error.all].map(|it| it.edge_displacement_max_m);
     let edge_displacement = EdgeDisplacement::new(inertia, attributed.by_trigger, engine, reference);
     let runs = Runs {
         scenario,
         settings,
+        own: question.own,
         solutions: &solutions,
         extras: &extras,
         jumps: &jumps,

@@ -29,6 +29,9 @@ pub struct Verdicts {
     pub speed: QuantityVerdict,
     /// Energy dissipated in the whole run (J).
     pub energy: QuantityVerdict,
+    /// Measure of one's own; left out without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measure: Option<QuantityVerdict>,
 }
 
 /// Verdict on one quantity. Where it rests on several numbers, the differences are those of the
@@ -88,20 +91,26 @@ impl Open {
 const ANYTHING: [f64; 2] = [0.0, f64::INFINITY];
 
 impl Verdicts {
+    /// All but the measure of one's own.
     pub fn named(&self) -> [(&'static str, &QuantityVerdict); 6] {
-        let Self { path, heading, pulls, contacts, speed, energy } = self;
+        let Self { path, heading, pulls, contacts, speed, energy, .. } = self;
         [("path", path), ("heading", heading), ("pulls", pulls), ("contacts", contacts), ("speed", speed), ("energy", energy)]
     }
 
-    fn all_mut(&mut self) -> [&mut QuantityVerdict; 6] {
-        let Self { path, heading, pulls, contacts, speed, energy } = self;
-        [path, heading, pulls, contacts, speed, energy]
+    /// Those that are numbers of the whole run.
+    fn of_whole_run(&mut self) -> impl Iterator<Item = &mut QuantityVerdict> {
+        let Self { pulls, contacts, speed, energy, measure, .. } = self;
+        [pulls, contacts, speed, energy].into_iter().chain(measure)
+    }
+
+    fn all(&self) -> impl Iterator<Item = (&'static str, &QuantityVerdict)> {
+        self.named().into_iter().chain(self.measure.as_ref().map(|of| ("measure", of)))
     }
 
     /// Those that say something: without a spring that is ever attached there are no pulls, without
     /// an obstacle that is ever touched no contact forces, and an engine may not compute all.
     pub fn shown(&self) -> impl Iterator<Item = (&'static str, &QuantityVerdict)> {
-        self.named().into_iter().filter(|(name, of)| match *name {
+        self.all().filter(|(name, of)| match *name {
             "path" | "heading" => true,
             "pulls" => of.measures.iter().any(|measure| measure.spring.is_some()),
             _ => !of.measures.is_empty(),
@@ -114,23 +123,20 @@ impl Verdicts {
     /// that time remains. The other quantities are numbers of the whole run, and remain open.
     /// What is left open has a motion that `is_not_unique` as a cause.
     pub(super) fn doubt(&mut self, since: f64, is_not_unique: bool) {
-        let [path, heading, of_whole_run @ ..] = self.all_mut();
-        [path, heading].into_iter().for_each(|of| of.doubt(since, is_not_unique));
-        of_whole_run.into_iter().for_each(|of| of.doubt(f64::NEG_INFINITY, is_not_unique));
+        [&mut self.path, &mut self.heading].into_iter().for_each(|of| of.doubt(since, is_not_unique));
+        self.of_whole_run().for_each(|of| of.doubt(f64::NEG_INFINITY, is_not_unique));
     }
 
     /// Makes no claim on anything, because a run failed.
     pub(super) fn withdraw(&mut self) {
-        for of in self.all_mut() {
-            of.answer(Answers::OPEN);
-            of.verdict = Verdict::NotComputed;
-            of.causes.clear();
-        }
+        self.path.withdraw();
+        self.heading.withdraw();
+        self.of_whole_run().for_each(QuantityVerdict::withdraw);
     }
 
     /// Whether the reference error leaves an answer open.
     pub(super) fn are_open(&self) -> bool {
-        self.named().iter().any(|(_, of)| of.answers().is_open() && !of.causes.contains(&Cause::NotUnique))
+        self.all().any(|(_, of)| of.answers().is_open() && !of.causes.contains(&Cause::NotUnique))
     }
 }
 
@@ -158,6 +164,13 @@ impl QuantityVerdict {
         self.open = Open { inertia_effect: true, engine_error: true };
         self.answer(Answers::OPEN);
         self.causes = vec![Cause::NotUnique];
+    }
+
+    /// Makes no claim.
+    fn withdraw(&mut self) {
+        self.answer(Answers::OPEN);
+        self.verdict = Verdict::NotComputed;
+        self.causes.clear();
     }
 
     /// Answers from the differences, and their causes.
@@ -228,12 +241,12 @@ impl QuantityVerdict {
     }
 
     /// Verdict on those of several numbers in one `unit` that every run has. The tolerance of each
-    /// is this `share` (1) of the largest number of its name, or of `least` if that is more.
+    /// is given by a function of the largest number of its name.
     /// `diverges` gives the first divergence at an instant (s) of inertia effect (0) or engine
     /// error (1).
     pub(super) fn on(
         reduced: &[Reduced],
-        (share, least): (f64, f64),
+        tolerance: impl Fn(f64) -> f64,
         times: &[f64],
         unit: &'static str,
         diverges: impl Fn(usize, f64) -> Divergence,
@@ -241,10 +254,10 @@ impl QuantityVerdict {
         let mut largest: HashMap<&str, f64> = HashMap::new();
         let reduced: Vec<&Reduced> = reduced.iter().filter(|one| one.exists()).collect();
         for one in &reduced {
-            let largest = largest.entry(one.scale).or_insert(least);
+            let largest = largest.entry(one.scale).or_insert(0.0);
             *largest = largest.max(one.size());
         }
-        let measures: Vec<RunMeasure> = reduced.iter().map(|one| one.measure(share * largest[one.scale])).collect();
+        let measures: Vec<RunMeasure> = reduced.iter().map(|one| one.measure(tolerance(largest[one.scale]))).collect();
         let first = |which: usize| {
             let times = reduced.iter().zip(&measures).filter_map(|(one, measure)| one.first_divergence(which, measure, times));
             times.min_by(f64::total_cmp).map(|time| diverges(which, time))

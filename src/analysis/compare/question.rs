@@ -1,7 +1,7 @@
 //! What a comparison asks of every backend.
 
 use super::engine::EngineName;
-use super::settings::{MakeController, Settings, Tier};
+use super::settings::{MakeController, OwnMeasure, Settings, Tier};
 use super::solution::Solution;
 use super::verdicts::Extras;
 use crate::backend::BackendOptions;
@@ -19,6 +19,7 @@ pub(super) struct Question<'a> {
     /// Makes the quasi-static and the inertial backend.
     pub references: &'a MakeBackend<'a>,
     pub controller: &'a MakeController<'a>,
+    pub own: Option<&'a OwnMeasure<'a>>,
     /// Paths of another engine's comparison of the same scene, of which the exact ones are taken.
     pub exact: Option<(&'a [Solution; 3], &'a Extras)>,
 }

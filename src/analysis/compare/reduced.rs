@@ -136,6 +136,11 @@ impl Courses {
         vec![self.reduced("energy dissipated", Kind::Last, |course| &course.dissipated)]
     }
 
+    /// The measure of one's own, with its name.
+    pub fn own(&self, name: &'static str) -> Vec<Reduced<'_>> {
+        vec![self.reduced(name, Kind::Last, |course| &course.own)]
+    }
+
     fn reduced<'a>(&'a self, name: &'static str, kind: Kind, of: impl Fn(&'a Course) -> &'a Signal) -> Reduced<'a> {
         let companions = self.companions.each_ref().map(|course| course.as_ref().map(&of));
         let (signals, others) = (self.runs.each_ref().map(&of), self.others.map(&of));
@@ -150,9 +155,9 @@ impl Reduced<'_> {
         self.signals.into_iter().chain(companions).all(|signal| signal.iter().any(Option::is_some))
     }
 
-    /// Largest of the quasi-static and the inertial value.
+    /// Size of the larger one of the quasi-static and the inertial value.
     pub fn size(&self) -> f64 {
-        self.kind.number(self.signals[0]).value.max(self.kind.number(self.signals[1]).value)
+        self.kind.number(self.signals[0]).value.abs().max(self.kind.number(self.signals[1]).value.abs())
     }
 
     pub(super) fn measure(&self, tolerance: f64) -> RunMeasure {

@@ -59,7 +59,7 @@ pub(super) fn same_stop(scenario: &Scenario, solutions: &[Solution; 3], diverges
     let held = instant.rows[1].contacts.iter().find(|contact| instant.is_passed(contact))?;
     // Both are held there since the end of the last row at which one of them was not.
     let is_held = |at: usize| {
-        let pushed = |row: Option<&Row>| row.is_some_and(|row| instant.is_pushed(row, held, instant.time()));
+        let pushed = |row: Option<&Row>| row.is_some_and(|row| instant.is_pushed(row, held));
         solutions[..2].iter().all(|solution| pushed(solution.trace.rows.get(at)))
     };
     let since = (0..=at).rev().take_while(|at| is_held(*at)).last()?;
@@ -73,10 +73,6 @@ impl<'a> Instant<'a> {
         Some(Self { scenario, rows: all(rows)?, before: all(before)? })
     }
 
-    fn time(&self) -> f64 {
-        self.rows[1].time
-    }
-
     fn obstacle(&self, contact: &SideContact) -> Option<&'a Obstacle> {
         self.scenario.system.world.obstacles.get(contact.obstacle)
     }
@@ -85,29 +81,29 @@ impl<'a> Instant<'a> {
     fn is_passed(&self, contact: &SideContact) -> bool {
         let Some(obstacle) = self.obstacle(contact) else { return false };
         let [quasi_static, inertial, engine] = self.rows;
-        if !self.is_pushed(inertial, contact, self.time()) || !self.is_pushed(quasi_static, contact, self.time()) {
+        if !self.is_pushed(inertial, contact) || !self.is_pushed(quasi_static, contact) {
             return false;
         }
-        if self.touches(engine, contact, self.time(), |_| true) && !self.is_at_corners(contact, obstacle) {
+        if self.touches(engine, contact, |_| true) && !self.is_at_corners(contact, obstacle) {
             return false;
         }
         let moved = [0, 1, 2].map(|run| self.moved_along(run, contact, obstacle));
         let ahead = -self.lead(contact).dot(&contact.force) / contact.force.norm();
-        moved[0].max(moved[1]) <= HELD * moved[2] && ahead > 0.0 && self.depth_of_engine(obstacle) <= THROUGH * ahead
+        moved[0].max(moved[1]) <= HELD * moved[2] && ahead > 0.0 && self.depth_of_engine(contact, obstacle) <= THROUGH * ahead
     }
 
     /// Whether an obstacle pushes the load of a row where it pushes at `contact` at this instant.
-    fn is_pushed(&self, row: &Row, contact: &SideContact, time: f64) -> bool {
-        self.touches(row, contact, time, |force| force.norm() > 0.0)
+    fn is_pushed(&self, row: &Row, contact: &SideContact) -> bool {
+        self.touches(row, contact, |force| force.norm() > 0.0)
     }
 
-    /// Whether the load of a row touches the obstacle of `contact` at `time` (s) at the same place,
-    /// with a force that counts. Places are compared in the frame of the obstacle, which may move.
-    fn touches(&self, row: &Row, contact: &SideContact, time: f64, counts: impl Fn(&Vec2) -> bool) -> bool {
+    /// Whether the load of a row touches the obstacle of `contact` at the same place, with a force
+    /// that counts. Places are compared in the frame of the obstacle, which may move.
+    fn touches(&self, row: &Row, contact: &SideContact, counts: impl Fn(&Vec2) -> bool) -> bool {
         let Some(obstacle) = self.obstacle(contact) else { return false };
-        let place = obstacle.path.pose_at(time).to_local(&contact.point);
+        let place = self.rows[1].pose_of(contact.obstacle, obstacle).to_local(&contact.point);
         let reach = SAME_PLACE * self.scenario.system.load.radius;
-        let is_there = |other: &SideContact| (obstacle.path.pose_at(row.time).to_local(&other.point) - place).norm() <= reach;
+        let is_there = |other: &SideContact| (row.pose_of(other.obstacle, obstacle).to_local(&other.point) - place).norm() <= reach;
         row.contacts.iter().any(|other| other.obstacle == contact.obstacle && counts(&other.force) && is_there(other))
     }
 
@@ -115,7 +111,7 @@ impl<'a> Instant<'a> {
     fn is_at_corners(&self, contact: &SideContact, obstacle: &Obstacle) -> bool {
         let (load, reach) = (&self.scenario.system.world.outline, AT_CORNER * self.scenario.system.load.radius);
         let [in_load, in_obstacle] =
-            [self.rows[1].motion.pose, obstacle.path.pose_at(self.time())].map(|pose| pose.to_local(&contact.point));
+            [self.rows[1].motion.pose, self.rows[1].pose_of(contact.obstacle, obstacle)].map(|pose| pose.to_local(&contact.point));
         let is_corner = |outline: &Outline, point: Vec2| outline.corners().any(|corner| (corner - point).norm() <= reach);
         is_corner(load, in_load) && is_corner(&obstacle.outline, in_obstacle)
     }
@@ -130,7 +126,7 @@ impl<'a> Instant<'a> {
     /// Displacement of that point along the obstacle since the row before (m).
     fn moved_along(&self, run: usize, contact: &SideContact, obstacle: &Obstacle) -> f64 {
         let [now, before] = self.held_point(run, contact);
-        let local = |point: &Vec2, row: &Row| obstacle.path.pose_at(row.time).to_local(point);
+        let local = |point: &Vec2, row: &Row| row.pose_of(contact.obstacle, obstacle).to_local(point);
         (local(&now, self.rows[run]) - local(&before, self.before[run])).norm()
     }
 
@@ -140,8 +136,8 @@ impl<'a> Instant<'a> {
     }
 
     /// Depth of the engine's load inside the obstacle (m).
-    fn depth_of_engine(&self, obstacle: &Obstacle) -> f64 {
-        let at = obstacle.path.pose_at(self.rows[2].time);
+    fn depth_of_engine(&self, contact: &SideContact, obstacle: &Obstacle) -> f64 {
+        let at = self.rows[2].pose_of(contact.obstacle, obstacle);
         let world = &self.scenario.system.world;
         overlap_depth(&world.outline, &self.rows[2].motion.pose, &obstacle.outline, &at).unwrap_or(0.0)
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::estimate::TOLERANCE_SHARE;
 use crate::backend::{BackendKind, BackendOptions, RapierOptions, Setting, Skips, Tolerance, n_steps_in};
 use crate::scenario::Scenario;
-use crate::simulation::Controller;
+use crate::simulation::{Controller, Row};
 
 /// Level of a comparison: how all backends get the same question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -61,6 +61,21 @@ pub const LEAST_MOTION: f64 = 1e-6;
 
 /// Halvings of a step that show a limit of small steps (1).
 pub const LEAST_HALVINGS: u32 = 2;
+
+/// A measure of one's own, which a comparison of paths judges as it does its own quantities.
+#[derive(Clone, Copy)]
+pub struct OwnMeasure<'a> {
+    /// Such as `distance to the goal`.
+    pub name: &'static str,
+    /// Such as `m`; `1` for a number without a unit.
+    pub unit: &'static str,
+    /// The number from the rows of a run. A run without one has a number that is not finite, and
+    /// the measure is then not judged.
+    pub of: &'a (dyn Fn(&[Row]) -> f64 + Sync),
+    /// Largest difference that counts as agreement, in the unit. `None` is 5 % of the larger number
+    /// without inertia or with it.
+    pub tolerance: Option<f64>,
+}
 
 /// Makes a controller for a scenario; each run gets one of its own.
 pub type MakeController<'a> = dyn Fn(&Scenario) -> Box<dyn Controller> + Sync + 'a;

@@ -11,7 +11,7 @@ use super::ensemble::{self, ClosedLoop};
 use super::pathwise::{self, Pathwise};
 use super::question::Question;
 use super::seed_runs::{self, SeedRuns};
-use super::settings::{MakeController, Settings, Tier};
+use super::settings::{MakeController, OwnMeasure, Settings, Tier};
 use super::trial;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, Trace, backend_of, controller_of};
@@ -48,6 +48,7 @@ pub struct ThreeWay<'a> {
     engine: (&'a EngineName, &'a MakeBackend<'a>),
     references: &'a MakeBackend<'a>,
     controller: &'a MakeController<'a>,
+    own: Option<&'a OwnMeasure<'a>>,
     exact: Option<&'a Pathwise>,
 }
 
@@ -62,7 +63,8 @@ impl<'a> ThreeWay<'a> {
     pub const RAPIER: EngineName = EngineName { name: Cow::Borrowed("rapier"), version: None };
 
     pub fn new(scenario: &'a Scenario, settings: &'a Settings) -> Self {
-        Self { scenario, settings, engine: (&RAPIER, &backend_of), references: &backend_of, controller: &controller_of, exact: None }
+        let (engine, controller) = ((&RAPIER, &backend_of as &MakeBackend), &controller_of as &MakeController);
+        Self { scenario, settings, engine, references: &backend_of, controller, own: None, exact: None }
     }
 
     /// Replaces rapier by another engine, which is called "engine" until it is
@@ -94,10 +96,15 @@ impl<'a> ThreeWay<'a> {
         Self { controller, ..self }
     }
 
+    /// Judges a measure of your own too, where paths are compared.
+    pub fn measure(self, own: &'a OwnMeasure<'a>) -> Self {
+        Self { own: Some(own), ..self }
+    }
+
     fn question(&self, tier: Tier) -> Question<'a> {
-        let Self { scenario, settings, engine, references, controller, exact } = *self;
+        let Self { scenario, settings, engine, references, controller, own, exact } = *self;
         let exact = exact.map(|other| (&other.solutions, &other.extras));
-        Question { tier, scenario, settings, engine, references, controller, exact }
+        Question { tier, scenario, settings, engine, references, controller, own, exact }
     }
 
     /// Compares paths under prescribed tip motions.

@@ -6,7 +6,7 @@ use super::divergence::{Divergence, PathPair};
 use super::parts::{Others, Parts};
 use super::quantity::{FirstDivergence, QuantityVerdict, Verdicts};
 use super::reduced::Courses;
-use super::settings::{LEAST_MOTION, Settings};
+use super::settings::{FORCES, LEAST_MOTION, OwnMeasure, Settings};
 use super::solution::{Point, Solution};
 use super::verdict::{Answers, InertiaAnswer, Verdict};
 use crate::math::Vec2;
@@ -19,6 +19,7 @@ pub(super) type Poses<'a> = [&'a Difference; 3];
 pub(super) struct Runs<'a> {
     pub scenario: &'a Scenario,
     pub settings: &'a Settings,
+    pub own: Option<&'a OwnMeasure<'a>>,
     /// Quasi-static, inertial and rapier.
     pub solutions: &'a [Solution; 3],
     pub extras: &'a Extras,
@@ -48,7 +49,13 @@ impl Runs<'_> {
         let [pull, speed, energy] = least_sizes(scenario);
         let kinetic = self.solutions[1].trace.rows.iter().map(|row| row.energy.kinetic).fold(0.0, f64::max);
         let energy = energy.max(LEAST_MOTION * kinetic);
-        let of = |reduced: &[_], share: f64, least: f64, unit| QuantityVerdict::on(reduced, (share, least), times, unit, diverges);
+        let of = |reduced: &[_], share: f64, least: f64, unit| {
+            QuantityVerdict::on(reduced, |largest| share * largest.max(least), times, unit, diverges)
+        };
+        let own = |own: &OwnMeasure| {
+            let tolerance = |largest: f64| own.tolerance.unwrap_or((FORCES * largest).max(f64::MIN_POSITIVE));
+            QuantityVerdict::on(&courses.own(own.name), tolerance, times, own.unit, diverges)
+        };
         let (pulls, contacts, speeds) = (courses.pulls(), courses.contacts(), courses.speeds());
         let mut verdicts = Verdicts {
             path: self.of_poses("m", tolerance, |difference| difference.edge_displacement_max_m, |pair| pair.first_divergence()),
@@ -62,6 +69,7 @@ impl Runs<'_> {
             contacts: of(&contacts, settings.tolerance_pull_share, pull, "N"),
             speed: of(&speeds, settings.tolerance_speed_share, speed, "m/s"),
             energy: of(&courses.energy(), settings.tolerance_energy_share, energy, "J"),
+            measure: self.own.map(own),
         };
         // Forces of which each law admits others may be equal all the same.
         let may_differ = |of: &Solution| of.steps.is_indeterminate && of.trace.rows.iter().any(Row::touches_two);
@@ -148,7 +156,13 @@ impl Runs<'_> {
     fn courses(&self) -> Courses {
         let Self { scenario, solutions, jumps, .. } = self;
         let blanks: Vec<f64> = solutions.iter().flat_map(|solution| blanks(&solution.trace, scenario)).collect();
-        let course = |solution: &Solution, rows: &[Row]| Course::of((solution.kind, solution.computes), rows, &blanks, scenario, jumps);
+        let course = |solution: &Solution, rows: &[Row]| {
+            let course = Course::of((solution.kind, solution.computes), rows, &blanks, scenario, jumps);
+            match self.own {
+                Some(own) => course.with_own((own.of)(rows)),
+                None => course,
+            }
+        };
         let companion = |solution: &Solution| {
             let rows = &solution.trace.companion;
             (!rows.is_empty()).then(|| course(solution, rows))

@@ -119,6 +119,12 @@ impl Obstacles {
         (!system.world.is_empty()).then(|| Self { surroundings: Surroundings::new(system), clear: None, gate: Gate::of(system) })
     }
 
+    /// Takes note of the path of an obstacle, which is a new one.
+    pub fn meet_path(&mut self, system: &System, obstacle: usize) {
+        self.surroundings.meet_path(system, obstacle);
+        self.clear = None;
+    }
+
     /// The step, with the contacts that it ends in.
     pub fn find(
         &mut self,

@@ -101,14 +101,25 @@ impl Surroundings {
         let bodies: Vec<Body> = system.world.obstacles.iter().map(body).collect();
         let load = Features::of(&system.world.outline);
         let sizes = bodies.iter().map(|body| &body.features).chain([&load]).flat_map(Features::sizes);
-        let obstacles = system.world.obstacles.iter().enumerate();
-        let bend = |body: &Body| {
-            let pairs = body.features.corners.iter().flat_map(|corner| load.corners.iter().map(move |own| corner.rounding + own.rounding));
-            pairs.filter(|reach| *reach > 0.0).fold(f64::INFINITY, f64::min)
-        };
-        let moving =
-            obstacles.filter(|(_, it)| it.path.moves()).map(|(index, it)| (index, it.outline.extent(), bend(&bodies[index]))).collect();
-        Self { fineness: sizes.fold(system.load.radius, f64::min), load, radius: system.load.radius, bodies, moving, near: Near::default() }
+        let fineness = sizes.fold(system.load.radius, f64::min);
+        let mut made = Self { fineness, load, radius: system.load.radius, bodies, moving: Vec::new(), near: Near::default() };
+        (0..system.world.obstacles.len()).for_each(|index| made.meet_path(system, index));
+        made
+    }
+
+    /// Takes note of the path of an obstacle, which is a new one.
+    pub fn meet_path(&mut self, system: &System, index: usize) {
+        let Obstacle { path, outline, .. } = &system.world.obstacles[index];
+        self.near.about = None;
+        let known = self.moving.iter().position(|(other, ..)| *other == index);
+        if let Some(at) = known.filter(|_| !path.moves()) {
+            self.moving.remove(at);
+        } else if known.is_none() && path.moves() {
+            let corners = self.bodies[index].features.corners.iter();
+            let pairs = corners.flat_map(|corner| self.load.corners.iter().map(move |own| corner.rounding + own.rounding));
+            let bend = pairs.filter(|reach| *reach > 0.0).fold(f64::INFINITY, f64::min);
+            self.moving.push((index, outline.extent(), bend));
+        }
     }
 
     /// Bound of the path lengths of all obstacles between two times (m).

@@ -11,8 +11,8 @@ use crate::backend::interface::Backend;
 use crate::backend::report::{EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::backend::springs::{AttachedSprings, AttachedTip, Place, SavedSprings, TipPaths, pulls_with};
 use crate::backend::stepping::{Stepping, n_steps_in};
-use crate::math::{Vec2, Vec3, rotation};
-use crate::model::System;
+use crate::math::{Pose, Vec2, Vec3, rotation};
+use crate::model::{ObstaclePath, ObstaclePose, System};
 
 #[derive(Serialize, Deserialize)]
 struct Saved<H> {
@@ -20,6 +20,9 @@ struct Saved<H> {
     springs: SavedSprings,
     pace: Pace,
     warm_start: WarmStart,
+    /// Paths of the obstacles that were steered.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    steered: Vec<(usize, ObstaclePath)>,
 }
 
 impl<M: Method> Backend for Exact<M> {
@@ -69,6 +72,18 @@ impl<M: Method> Backend for Exact<M> {
         self.from = from;
         self.pass(duration);
         report
+    }
+
+    fn steer(&mut self, obstacle: usize, course: &[(f64, Pose)]) -> bool {
+        let is_steered = self.steered.steer(&mut self.system.world, obstacle, self.state.side.time, course);
+        if is_steered {
+            self.meet_paths(&[obstacle]);
+        }
+        is_steered
+    }
+
+    fn steered(&self) -> Vec<ObstaclePose> {
+        self.steered.poses(&self.system.world, self.state.side.time)
     }
 
     fn motion(&self) -> Motion {
@@ -121,16 +136,19 @@ impl<M: Method> Backend for Exact<M> {
 
     fn save(&self) -> Result<SavedState, SaveError> {
         let (state, springs, pace) = (self.state.clone(), self.springs.save(), self.pace.clone());
-        Ok(SavedState::of(&Saved { state, springs, pace, warm_start: self.solver.warm_start().clone() }))
+        let (warm_start, steered) = (self.solver.warm_start().clone(), self.steered.save(&self.system.world));
+        Ok(SavedState::of(&Saved { state, springs, pace, warm_start, steered }))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
-        let Saved::<M::Memory> { state, springs, pace, warm_start } = state.read()?;
+        let Saved::<M::Memory> { state, springs, pace, warm_start, steered } = state.read()?;
         M::check(&state.memory, &self.system)?;
         state.certificate.check(&self.solver, self.system.springs.len())?;
         state.side.check(&self.system)?;
         state.check(&self.system)?;
         pace.check()?;
+        let changed = self.steered.restore(&mut self.system.world, steered)?;
+        self.meet_paths(&changed);
         self.check_outside(&state)?;
         let springs = AttachedSprings::restored(springs, &self.system.springs, &state.motion.pose)?;
         self.solver.set_warm_start(warm_start)?;
@@ -140,6 +158,13 @@ impl<M: Method> Backend for Exact<M> {
 }
 
 impl<M: Method> Exact<M> {
+    /// Takes note of obstacles that have new paths.
+    fn meet_paths(&mut self, of: &[usize]) {
+        if let Some(obstacles) = &mut self.obstacles {
+            of.iter().for_each(|obstacle| obstacles.meet_path(&self.system, *obstacle));
+        }
+    }
+
     /// # Errors
     /// When the load of a restored state lies inside an obstacle, or touches what is not there.
     fn check_outside(&mut self, state: &State<M::Memory>) -> Result<(), RestoreError> {

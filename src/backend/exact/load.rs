@@ -11,6 +11,7 @@ use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::report::{EnergyLedger, Motion, RestoreError, Skip, Skips, Status, StepReport, Transition, TransitionKind};
 use crate::backend::shortcuts::{Forecast, StickCertificate};
 use crate::backend::springs::{AttachedSprings, Attachment, Attachments, TipPaths};
+use crate::backend::steered::Steered;
 use crate::backend::stepping::{Stepping, n_steps_in};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
@@ -124,6 +125,7 @@ pub struct Exact<M: Method> {
     pub(super) springs: AttachedSprings,
     /// Obstacles, if there are any.
     pub(super) obstacles: Option<Obstacles>,
+    pub(super) steered: Steered,
     pub(super) state: State<M::Memory>,
     pub(super) pace: Pace,
     /// Attachments at the start of an advance.
@@ -183,6 +185,7 @@ impl<M: Method> Exact<M> {
             solver: FrictionSolver::new(&system.ground, system.load.radius),
             springs: AttachedSprings::default(),
             obstacles: Obstacles::of(&system),
+            steered: Steered::default(),
             state,
             pace: Pace::default(),
             from: Vec::new(),

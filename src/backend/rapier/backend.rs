@@ -20,9 +20,10 @@ use crate::backend::report::{
     TransitionKind,
 };
 use crate::backend::springs::{Attachment, Attachments};
+use crate::backend::steered::Steered;
 use crate::backend::stepping::n_steps_in;
 use crate::math::{Pose, Twist, Vec2, Wrench};
-use crate::model::{ObstaclePath, System};
+use crate::model::{ObstaclePath, ObstaclePose, System};
 use crate::stop;
 
 /// A load under rapier.
@@ -39,6 +40,7 @@ pub struct Rapier {
     pub(super) friction: GroundFriction,
     /// Whether the joints of the engine do not belong to the present attachments.
     pub(super) is_stale: bool,
+    steered: Steered,
     pub(super) state: State,
     /// Attached springs at the pose of the state, in the order of the attachments.
     pub(super) attached: Vec<SpringState>,
@@ -124,6 +126,9 @@ struct Saved {
     /// What the engine keeps from step to step, where it keeps contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     memory: Option<String>,
+    /// Paths of the obstacles that were steered.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    steered: Vec<(usize, ObstaclePath)>,
 }
 
 /// Motion at the end of a step without a finite answer.
@@ -161,6 +166,7 @@ impl Rapier {
             engine,
             friction: GroundFriction::new(&system, options.rapier.friction),
             is_stale: true,
+            steered: Steered::default(),
             state,
             attached: Vec::new(),
             transitions: Vec::new(),
@@ -347,6 +353,18 @@ impl Backend for Rapier {
         report
     }
 
+    fn steer(&mut self, obstacle: usize, course: &[(f64, Pose)]) -> bool {
+        let is_steered = self.steered.steer(&mut self.system.world, obstacle, self.state.elapsed, course);
+        if is_steered && self.engine.let_move(obstacle) {
+            self.is_stale = true;
+        }
+        is_steered
+    }
+
+    fn steered(&self) -> Vec<ObstaclePose> {
+        self.steered.poses(&self.system.world, self.state.elapsed)
+    }
+
     fn transitions(&self) -> &[Transition] {
         &self.transitions
     }
@@ -379,8 +397,8 @@ impl Backend for Rapier {
     fn save(&self) -> Result<SavedState, SaveError> {
         let warm_start = self.friction.warm_start().cloned();
         let memory = (self.keeps_contacts() && !self.is_stale).then(|| self.engine.memory());
-        let held = self.friction.held().to_vec();
-        Ok(SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start, held, memory }))
+        let (held, steered) = (self.friction.held().to_vec(), self.steered.save(&self.system.world));
+        Ok(SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start, held, memory, steered }))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
@@ -402,6 +420,9 @@ impl Backend for Rapier {
         saved.state.attachments.check(&self.system.springs)?;
         self.friction.set_warm_start(saved.warm_start)?;
         self.friction.set_held(saved.held);
+        for obstacle in self.steered.restore(&mut self.system.world, saved.steered)? {
+            self.engine.let_move(obstacle);
+        }
         self.state = saved.state;
         let (body, facing) = (&self.state.body, self.state.body.facing());
         self.attached = self.state.attachments.iter().map(|attachment| self.state_of(attachment, body, &facing)).collect();

@@ -136,6 +136,9 @@ pub trait Engine: Send {
     /// obstacles where their steps begin. No earlier step affects it.
     fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize, obstacles: &[ObstacleStep]);
 
+    /// Lets an obstacle move from the next rebuild on. Returns whether it stood still so far.
+    fn let_move(&mut self, obstacle: usize) -> bool;
+
     /// Writes the contacts that the next step meets within `reach` (m) to `contacts`, without
     /// forces. The velocities of the obstacles and the room are left out.
     fn find_contacts(&mut self, reach: f64, contacts: &mut Vec<ContactPoint>);

@@ -145,6 +145,11 @@ impl Engine for World {
         }
     }
 
+    fn let_move(&mut self, obstacle: usize) -> bool {
+        let shape = self.obstacles.as_mut().and_then(|shapes| shapes.list.get_mut(obstacle));
+        shape.is_some_and(|shape| !std::mem::replace(&mut shape.moves, true))
+    }
+
     fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize, obstacles: &[ObstacleStep]) {
         self.sets = Sets::new(self.mass, self.inertia, body, n_friction, n_springs);
         if let Some(shapes) = &self.obstacles {

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use crate::backend::{AttachedTip, Backend, Motion, RestoreError, SaveError, SkipCounts, Skips};
-use crate::math::{Summary, Vec2};
+use crate::backend::{AttachedTip, Backend, Motion, RestoreError, SaveError, SideContact, SkipCounts, Skips};
+use crate::math::{Pose, Summary, Vec2};
+use crate::model::ObstaclePose;
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
 use crate::simulation::trace::Event;
 
-/// Moves the tips of springs: grasps, releases and paths.
+/// Moves the tips of springs (grasps, releases and paths), and obstacles that push.
 ///
 /// An own controller needs [`decide`](Controller::decide) and [`targets`](Controller::targets).
 /// This one pulls a spring along and lets go as soon as the load has come 10 mm:
@@ -61,6 +62,13 @@ pub trait Controller {
     /// Positions of the tips at the time `until` (s), one for each spring (m, world). Each attached
     /// tip moves straight to its position; other entries have no effect.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2];
+
+    /// Poses of obstacles at the time `until` (s), for each one that the controller steers. Such an
+    /// obstacle moves straight there, leaves the path of the scenario for good, and stands still
+    /// where it is no longer named. A run on a backend that cannot steer it fails.
+    fn pushers(&mut self, _view: &View, _until: f64) -> &[ObstaclePose] {
+        &[]
+    }
 
     /// First instant after `time`, besides control ticks, at which something happens or a tip
     /// changes its velocity (s).
@@ -137,6 +145,29 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
+    /// Pose of an obstacle at this instant (m, rad, world); `None` if there is no such obstacle.
+    pub fn obstacle(&self, obstacle: usize) -> Option<Pose> {
+        let steered = self.backend.steered().into_iter().find(|other| other.obstacle == obstacle);
+        let on_path = || Some(self.scenario.system.world.obstacles.get(obstacle)?.path.pose_at(self.time));
+        steered.map_or_else(on_path, |steered| Some(steered.pose))
+    }
+
+    /// Closed contacts of the load with obstacles, with their forces in the last step.
+    pub fn contacts(&self) -> Vec<SideContact> {
+        self.backend.side_contacts()
+    }
+
+    /// Force of all contacts with an obstacle on the load in the last step (N, world).
+    pub fn contact_force(&self, obstacle: usize) -> Vec2 {
+        self.contacts().iter().filter(|contact| contact.obstacle == obstacle).map(|contact| contact.force).sum()
+    }
+
+    /// Friction force of the ground on each support (N, world), averaged over the last step; empty
+    /// for a backend that does not compute it.
+    pub fn friction_forces(&self) -> Vec<Vec2> {
+        self.backend.friction_forces()
+    }
+
     /// Force that moves the tip of a spring (N, world); zero for a spring that is not attached.
     pub fn pull(&self, spring: usize) -> Vec2 {
         // When all springs before it are attached, the index of its entry is its own number.

@@ -7,17 +7,19 @@ use std::sync::Arc;
 use super::controller::{Commands, Controller, View, check_attached};
 use crate::backend::{AttachedTip, RestoreError, SaveError};
 use crate::math::Vec2;
+use crate::model::ObstaclePose;
 use crate::simulation::trace::{EventKind, Trace};
 
 /// Moves the tips as a recorded run did. All follows from the time, so there is no state.
 pub struct Replay {
     recorded: Arc<Trace>,
     targets: Vec<Vec2>,
+    pushers: Vec<ObstaclePose>,
 }
 
 impl Replay {
     pub fn new(recorded: Arc<Trace>, n_springs: usize) -> Self {
-        Self { recorded, targets: vec![Vec2::zeros(); n_springs] }
+        Self { recorded, targets: vec![Vec2::zeros(); n_springs], pushers: Vec::new() }
     }
 }
 
@@ -51,6 +53,21 @@ impl Controller for Replay {
             }
         }
         &self.targets
+    }
+
+    /// Obstacles that were steered, straight between the rows.
+    fn pushers(&mut self, view: &View, until: f64) -> &[ObstaclePose] {
+        self.pushers.clear();
+        let rows = &self.recorded.rows;
+        if let Some(row) = rows.get(rows.partition_point(|row| row.time < until)) {
+            let share = (until - view.time) / (row.time - view.time);
+            let part = |target: &ObstaclePose| match view.obstacle(target.obstacle) {
+                Some(now) if until < row.time => ObstaclePose { pose: now.towards(&target.pose, share), ..*target },
+                _ => *target,
+            };
+            self.pushers.extend(row.steered.iter().map(part));
+        }
+        &self.pushers
     }
 
     fn next_instant(&self, time: f64) -> Option<f64> {

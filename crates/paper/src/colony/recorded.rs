@@ -61,7 +61,15 @@ fn frame(tips: &[(&Sample, &Force)]) -> Option<Row> {
 
 fn row(time: f64, pose: Pose, tips: Vec<AttachedTip>) -> Row {
     let motion = Motion { pose, twist: Twist::default() };
-    Row { time, motion, energy: EnergyLedger::default(), tips: AttachedTips::from_vec(tips), contacts: Vec::new(), error: None }
+    Row {
+        time,
+        motion,
+        energy: EnergyLedger::default(),
+        tips: AttachedTips::from_vec(tips),
+        contacts: Vec::new(),
+        steered: Vec::new(),
+        error: None,
+    }
 }
 
 /// A frame without tips, at a share of the time from one frame to another (1).

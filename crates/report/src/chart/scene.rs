@@ -55,6 +55,11 @@ impl Scene {
         Self { world: system.world.clone(), slip_limit, nest, radius, tolerances: None }
     }
 
+    /// With obstacles that were steered on the paths that they took in a run.
+    pub fn steered_as(self, run: &Trace) -> Self {
+        Self { world: run.world(&self.world), ..self }
+    }
+
     /// With the tolerances of a comparison: edge displacement (m), and heading (rad).
     pub fn within(self, edge_displacement: f64, heading: f64) -> Self {
         Self { tolerances: Some([edge_displacement, heading]), ..self }

@@ -130,7 +130,7 @@ impl Replay {
             radius: system.load.radius,
             outline: shapes(&system.world.outline),
             front: front(&system.world.outline),
-            obstacles: obstacles(&system.world),
+            obstacles: obstacles(&system.world, runs.first().map(|run| run.trace)),
             force_unit: seldom_exceeded(forces(runs)),
             nest: Scene::of(scenario).nest.map(|nest| [nest.position.x, nest.position.y, nest.arrival_radius]),
             supports: parts
@@ -156,7 +156,7 @@ impl Replay {
     /// Of a scene before it begins, on backends with these names: what a live page draws first.
     pub fn at_start(scenario: &Scenario, labels: &[&str]) -> Self {
         let (motion, tips, energy) = (scenario.start, AttachedTips::new(), EnergyLedger::default());
-        let row = Row { time: 0.0, motion, energy, tips, contacts: Vec::new(), error: None };
+        let row = Row { time: 0.0, motion, energy, tips, contacts: Vec::new(), steered: Vec::new(), error: None };
         let trace = Trace { rows: vec![row], ..Trace::default() };
         let runs: Vec<Labelled> = labels.iter().map(|label| Labelled { label, trace: &trace }).collect();
         Self::new(scenario.name.clone(), scenario, &runs, 0.0)

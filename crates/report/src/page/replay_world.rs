@@ -37,12 +37,22 @@ pub(super) fn shapes(outline: &Outline) -> Vec<Shape> {
     outline.parts.iter().map(shape).collect()
 }
 
-pub(super) fn obstacles(world: &World) -> Vec<ShownObstacle> {
-    let shown = |obstacle: &cohaul::model::Obstacle| ShownObstacle {
-        name: obstacle.name.clone(),
-        outline: shapes(&obstacle.outline),
-        path: obstacle.path.waypoints.iter().map(|(time, pose)| [*time, pose.position.x, pose.position.y, pose.heading]).collect(),
+/// Waypoints that are drawn of an obstacle at most (1).
+const MOST_WAYPOINTS: usize = 3000;
+
+/// The obstacles of a world. Those that were steered are drawn where they are in the `first` run.
+pub(super) fn obstacles(world: &World, first: Option<&Trace>) -> Vec<ShownObstacle> {
+    let shown = |obstacle: &cohaul::model::Obstacle| {
+        let waypoints = &obstacle.path.waypoints;
+        let (every, last) = (waypoints.len().div_ceil(MOST_WAYPOINTS).max(1), waypoints.len() - 1);
+        let drawn = waypoints.iter().enumerate().filter(|(at, _)| at % every == 0 || *at == last).map(|(_, waypoint)| waypoint);
+        ShownObstacle {
+            name: obstacle.name.clone(),
+            outline: shapes(&obstacle.outline),
+            path: drawn.map(|(time, pose)| [*time, pose.position.x, pose.position.y, pose.heading]).collect(),
+        }
     };
+    let world = first.map_or_else(|| world.clone(), |trace| trace.world(world));
     world.obstacles.iter().map(shown).collect()
 }
 

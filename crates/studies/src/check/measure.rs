@@ -127,6 +127,7 @@ pub fn moving_row(row: &Row) -> simulation::Row {
         energy: EnergyLedger::default(),
         tips: simulation::AttachedTips::new(),
         contacts: Vec::new(),
+        steered: Vec::new(),
         error: None,
     }
 }

@@ -159,6 +159,7 @@ fn quantity_in_words(name: &str, of: &QuantityVerdict, found: &Pathwise, answer:
     let effect = short_quantity(of.inertia_effect, of.unit);
     match (name, of.deciding()) {
         ("path", _) => format!("the path ({effect} of {})", short_quantity(found.path_length_m, "m")),
+        ("measure", Some(measure)) if answer == Answer::Yes => plural(measure),
         (_, _) if answer == Answer::Yes => in_general(name).to_owned(),
         (_, None) => format!("the {name} ({effect})"),
         (_, Some(measure)) => format!("{} ({})", plural(measure), instead(measure.inertial, measure.quasi_static, of.unit)),

@@ -63,7 +63,7 @@ pub fn recorded_path(text: &str, name: &str) -> Result<Trace, ScenarioError> {
         }
         let motion = Motion { pose: Pose::new(x, y, heading), twist: Twist::ZERO };
         let energy = EnergyLedger::default();
-        rows.push(Row { time, motion, energy, tips: AttachedTips::new(), contacts: Vec::new(), error: None });
+        rows.push(Row { time, motion, energy, tips: AttachedTips::new(), contacts: Vec::new(), steered: Vec::new(), error: None });
     }
     if table.n_rows() == 0 {
         table.report("rows", "must hold poses", "none");

@@ -61,6 +61,8 @@ pub struct Tiers {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replayed: Option<Pathwise>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub controlled: Option<Pathwise>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub closed_loop: Option<ClosedLoop>,
 }
 
@@ -139,8 +141,8 @@ impl Comparison {
 }
 
 impl Tiers {
-    /// Comparisons of paths: prescribed, then replayed.
+    /// Comparisons of paths: prescribed, replayed, then controlled.
     pub fn pathwise(&self) -> impl Iterator<Item = &Pathwise> {
-        [&self.prescribed, &self.replayed].into_iter().flatten()
+        [&self.prescribed, &self.replayed, &self.controlled].into_iter().flatten()
     }
 }

@@ -30,7 +30,7 @@ pub fn write_comparison(
     folder.write(REPORT, |out| out.write_all(comparison_page(comparison, scenario, manifest).to_html().as_bytes()))?;
     folder.write_json("summary.json", comparison)?;
     let tiers = &comparison.tiers;
-    for (tier, found) in [("prescribed", &tiers.prescribed), ("replayed", &tiers.replayed)] {
+    for (tier, found) in [("prescribed", &tiers.prescribed), ("replayed", &tiers.replayed), ("controlled", &tiers.controlled)] {
         let Some(found) = found else { continue };
         write_tier(&mut folder, tier, &comparison.runs(found), (scenario, &scene_of(found, scenario)), with)?;
     }

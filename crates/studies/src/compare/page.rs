@@ -4,7 +4,7 @@ use crate::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance, ver
 use crate::compare::comparison::Comparison;
 use crate::compare::side_by_side;
 use crate::compare::text::{details, divergence, estimated, paired, suggested, tier_name, tried};
-use cohaul::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise};
+use cohaul::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise, Tier};
 use cohaul::scenario::Scenario;
 use cohaul_report::chart::bars::{self, Bar, Spread, SpreadLine};
 use cohaul_report::chart::{self, Labelled, Scene, trace_color};
@@ -93,7 +93,8 @@ fn pathwise(page: Page, found: &Pathwise, comparison: &Comparison, scenario: &Sc
     let runs = comparison.runs(found);
     let first = found.first_divergence.inertia_effect.or(found.first_divergence.engine_error).map(|divergence| divergence.time_s);
     let end = found.solutions[0].trace.rows.last().map_or(0.0, |row| row.time);
-    let name = format!("{}: the same tip motions on all backends", tier_name(found.tier));
+    let what = if found.tier == Tier::Controlled { "one on each backend" } else { "the same tip motions on all backends" };
+    let name = format!("{}: {what}", tier_name(found.tier));
     let replay = Replay::new(name.clone(), scenario, &runs, first.unwrap_or(0.4 * end));
     let details = details(found).into_iter();
     let table = details.fold(Table::new("All numbers of the comparison", ["", "value"]), |table, (label, value)| table.row([label, value]));
@@ -136,7 +137,7 @@ fn quantities(found: &Pathwise) -> Vec<Block> {
 
 /// Surroundings of a scene, with the tolerances that its paths were compared by.
 pub fn scene_of(found: &Pathwise, scenario: &Scenario) -> Scene {
-    Scene::of(scenario).within(found.tolerance_m, found.verdicts.heading.tolerance)
+    Scene::of(scenario).steered_as(&found.solutions[0].trace).within(found.tolerance_m, found.verdicts.heading.tolerance)
 }
 
 fn over_time(runs: &[Labelled], scene: &Scene) -> Vec<Block> {

@@ -95,7 +95,15 @@ fn replays(found: &Measured, (template, runs, question): Scenes) -> Vec<Block> {
 fn measured_trace(run: &MeasuredRun, prepared: &Prepared, simulated: &Trace) -> Trace {
     let row = |row: &Row| {
         let motion = Motion { pose: pose_at(&run.load.samples, row.time + prepared.begins_at), twist: Twist::ZERO };
-        Row { time: row.time, motion, energy: EnergyLedger::default(), tips: AttachedTips::new(), contacts: Vec::new(), error: None }
+        Row {
+            time: row.time,
+            motion,
+            energy: EnergyLedger::default(),
+            tips: AttachedTips::new(),
+            contacts: Vec::new(),
+            steered: Vec::new(),
+            error: None,
+        }
     };
     Trace { rows: simulated.rows.iter().map(row).collect(), ..Trace::default() }
 }
