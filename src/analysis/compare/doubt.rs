@@ -120,7 +120,15 @@ mod tests {
     fn row(time: f64, energy: EnergyLedger, obstacles: &[usize]) -> Row {
         let motion = Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist { linear: Vec2::zeros(), angular: 0.0 } };
         let contact = |obstacle: &usize| SideContact { obstacle: *obstacle, point: Vec2::zeros(), force: Vec2::x() };
-        Row { time, motion, energy, tips: AttachedTips::new(), contacts: obstacles.iter().map(contact).collect(), error: None }
+        Row {
+            time,
+            motion,
+            energy,
+            tips: AttachedTips::new(),
+            contacts: obstacles.iter().map(contact).collect(),
+            error: None,
+            steered: Vec::new(),
+        }
     }
 
     /// Friction takes the work of the tips, and `from_nowhere` of it (J) appears after a second.
