@@ -20,13 +20,14 @@ rigid-body engine rapier2d). Units are SI; angles are in radians, counter-clockw
 'inertia'
 """
 
-from ._compare import BACKENDS, Comparison, compare, compare_controller
+from ._compare import BACKENDS, Comparison, Measure, compare, compare_controller
 from ._conformance import Conformance, conformance
 from ._errors import Fault, InternalError, ScenarioError
 from ._import import Import, import_scenario
 from ._measured import Measured, measured
 from ._native import View
 from ._parts import ants, ground, load, path, spring, tips
+from ._rollouts import Rollouts, rollouts
 from ._run import Event, Run, Trace, run
 from ._scenario import Scenario
 from ._simulation import Simulation
@@ -41,7 +42,9 @@ __all__ = [
     "Fault",
     "Import",
     "InternalError",
+    "Measure",
     "Measured",
+    "Rollouts",
     "Run",
     "Scenario",
     "ScenarioError",
@@ -58,6 +61,7 @@ __all__ = [
     "load",
     "measured",
     "path",
+    "rollouts",
     "run",
     "spring",
     "sweep",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 import os
 from typing import Any, Callable, Mapping, Sequence, Union
 
@@ -29,6 +30,43 @@ class Replay:
         return f'<iframe srcdoc="{html.escape(self.page)}" style="{style}"></iframe>'
 
 
+class Measure:
+    """A measure of your own, which a comparison of paths judges beside its own quantities.
+
+    :param name: such as ``distance to the goal``
+    :param unit: such as ``m``; ``1`` for a number without a unit
+    :param of: a function of the :class:`Trace` of a run that returns a number
+    :param tolerance: largest difference that counts as agreement, in the unit; by default 5 % of the
+        larger number without inertia or with it
+    """
+
+    def __init__(self, name: str, unit: str, of: Callable[[Trace], Any], tolerance: float | None = None) -> None:
+        if not callable(of):
+            raise TypeError(f"measure.of: must be a function, found {type(of).__name__}")
+        self.name, self.unit, self.of = _word("measure.name", name), _word("measure.unit", unit), of
+        self.tolerance = number("measure.tolerance", tolerance)
+
+    def _number(self, data: _native.TraceData) -> float:
+        found = self.of(Trace(data))
+        try:
+            value = float(found)
+        except (TypeError, ValueError) as error:
+            raise TypeError(f"measure: must return a number, found {type(found).__name__}") from error
+        if not math.isfinite(value):
+            raise ValueError(f"measure: must return a finite number, found {value}")
+        return value
+
+    def _asked(self) -> dict[str, Any]:
+        return {"name": self.name, "unit": self.unit, "of": self._number, "tolerance": self.tolerance}
+
+
+def _word(path: str, value: Any) -> str:
+    found = text(path, value)
+    if not found or len(found) > 60:
+        raise ValueError(f"{path}: must have from 1 to 60 characters, found {len(found or '')}")
+    return found
+
+
 class Comparison(Results):
     """A finished comparison. As a mapping it has what ``cohaul compare --json`` prints."""
 
@@ -37,7 +75,7 @@ class Comparison(Results):
 
     @property
     def tiers(self) -> dict[str, Any]:
-        """Results by tier: ``prescribed``, ``replayed`` and ``closed_loop``."""
+        """Results by tier: ``prescribed``, ``replayed``, ``controlled`` and ``closed_loop``."""
         return self._results["tiers"]
 
     @property
@@ -52,7 +90,8 @@ class Comparison(Results):
 
     @property
     def verdicts(self) -> dict[str, Any]:
-        """Verdict on each quantity, of the first tier: path, heading, pulls, contacts, speed, energy.
+        """Verdict on each quantity, of the first tier: path, heading, pulls, contacts, speed, energy,
+        and the measure of your own if there is one.
 
         Each has two answers, ``inertia`` (``negligible``, ``not negligible``, ``open`` or
         ``nothing moved``) and ``engine`` (``within``, ``not within`` or ``open``), the ``verdict``
@@ -177,7 +216,100 @@ def compare(
     >>> sorted(found.verdicts)
     ['contacts', 'energy', 'heading', 'path', 'pulls', 'speed']
     """
-    settings = {
+    settings = _settings(
+        step_s, halvings, tolerance_m, recorded_from, rate_independent, tolerance_share, tolerance_heading_rad,
+        tolerance_pull_share, tolerance_speed_share, tolerance_energy_share, no_skip, rapier,
+    )  # fmt: skip
+    engines = _engines(engine)
+    if engines and "rapier" not in engines and rapier is not None:
+        raise ValueError("rapier: must be left out without rapier among the engines, found both")
+    return _compared(scenario, settings, tiers, seeds, seed, None, engines, threads, progress)
+
+
+def compare_controller(
+    scenario: Source,
+    make_controller: Callable[[int], Callable[[Any], Any]],
+    *,
+    tiers: str | Sequence[str] | None = None,
+    measure: Measure | None = None,
+    seeds: int = 8,
+    seed: int | None = None,
+    step_s: float | None = None,
+    halvings: int | None = None,
+    tolerance_m: float | None = None,
+    tolerance_share: float | None = None,
+    tolerance_heading_rad: float | None = None,
+    tolerance_pull_share: float | None = None,
+    tolerance_speed_share: float | None = None,
+    tolerance_energy_share: float | None = None,
+    recorded_from: str | None = None,
+    rate_independent: bool = False,
+    no_skip: str | Sequence[str] | None = None,
+    rapier: Mapping[str, str] | None = None,
+    engine: EngineLike | Sequence[EngineLike] | None = None,
+    threads: int | None = None,
+    progress: bool | Callable[[float], Any] | None = None,
+) -> Comparison:
+    """Compares the three backends under a controller of your own.
+
+    ``make_controller(seed)`` returns a controller for one run; each run gets one of its own. A
+    controller is called once in each control period with a :class:`View`, may attach and release
+    springs and steer obstacles there, and returns the positions of all tips at the end of the
+    period, or ``None`` to hold them. The scenario's drive is not used. Options are those of
+    :func:`compare`; an engine in the place of rapier cannot steer obstacles.
+
+    The tier ``controlled`` runs the controller on each backend, where it answers to what it sees
+    there, and gives a verdict on path, heading, pulls, contact forces, speed, energy and your
+    measure. The reference error contains what an error of the path makes of the commands. A run
+    that ends early ends the comparison of all. ``replayed`` records one run of the controller and
+    replays its motions on all backends. ``closed-loop`` compares distributions over seeds. The
+    default is ``replayed`` and ``closed-loop``.
+
+    :param measure: a measure of your own, for the tiers ``controlled`` and ``replayed``
+
+    >>> def tow(seed):
+    ...     def control(view):
+    ...         if view.time_s == 0.0:
+    ...             view.attach(0, (0.0, 0.0))
+    ...         return [(0.005 * (view.time_s + view.control_period_s), 0.0)]
+    ...     return control
+    >>> scenario = "scenarios/analytic/centre-pull.json"
+    >>> compare_controller(scenario, tow, tiers="replayed").verdicts["path"]["verdict"]
+    'agree'
+    >>> reach = Measure("final x", "m", lambda trace: trace["x_m"][-1])
+    >>> found = compare_controller(scenario, tow, tiers="controlled", measure=reach)
+    >>> found.verdicts["measure"]["verdict"], found.verdicts["measure"]["decided_by"]
+    ('agree', 'final x')
+    """
+    if not callable(make_controller):
+        raise TypeError(f"make_controller: must be a function, found {type(make_controller).__name__}")
+    if measure is not None and not isinstance(measure, Measure):
+        raise TypeError(f"measure: must be a Measure, found {type(measure).__name__}")
+    settings = _settings(
+        step_s, halvings, tolerance_m, recorded_from, rate_independent, tolerance_share, tolerance_heading_rad,
+        tolerance_pull_share, tolerance_speed_share, tolerance_energy_share, no_skip, rapier,
+    )  # fmt: skip
+    engines = _engines(engine)
+    if engines and "rapier" not in engines and rapier is not None:
+        raise ValueError("rapier: must be left out without rapier among the engines, found both")
+    return _compared(scenario, settings, tiers, seeds, seed, make_controller, engines, threads, progress, measure)
+
+
+def _settings(
+    step_s: float | None,
+    halvings: int | None,
+    tolerance_m: float | None,
+    recorded_from: str | None,
+    rate_independent: bool,
+    tolerance_share: float | None,
+    tolerance_heading_rad: float | None,
+    tolerance_pull_share: float | None,
+    tolerance_speed_share: float | None,
+    tolerance_energy_share: float | None,
+    no_skip: str | Sequence[str] | None,
+    rapier: Mapping[str, str] | None,
+) -> dict[str, Any]:
+    return {
         "step_s": number("step_s", step_s),
         "halvings": whole("halvings", halvings, 2, 10),
         "reference_tolerance_m": number("tolerance_m", tolerance_m),
@@ -191,48 +323,6 @@ def compare(
         "no_skip": texts("no_skip", no_skip),
         "rapier": rapier_options(rapier),
     }
-    engines = _engines(engine)
-    if engines and "rapier" not in engines and rapier is not None:
-        raise ValueError("rapier: must be left out without rapier among the engines, found both")
-    return _compared(scenario, settings, tiers, seeds, seed, None, engines, threads, progress)
-
-
-def compare_controller(
-    scenario: Source,
-    make_controller: Callable[[int], Callable[[Any], Any]],
-    *,
-    tiers: str | Sequence[str] | None = None,
-    seeds: int = 8,
-    seed: int | None = None,
-    step_s: float | None = None,
-    recorded_from: str | None = None,
-    threads: int | None = None,
-    progress: bool | Callable[[float], Any] | None = None,
-) -> Comparison:
-    """Compares the three backends under a controller of your own.
-
-    ``make_controller(seed)`` returns a controller for one run; each run gets one of its own. A
-    controller is called once in each control period with a :class:`View`, may attach and release
-    springs there, and returns the positions of all tips at the end of the period, or ``None`` to
-    hold them. The scenario's drive is not used.
-
-    The tier ``replayed`` records one run of the controller and replays its motions on all backends.
-    In ``closed-loop`` the controller decides on each backend for itself.
-
-    >>> def tow(seed):
-    ...     def control(view):
-    ...         if view.time_s == 0.0:
-    ...             view.attach(0, (0.0, 0.0))
-    ...         return [(0.005 * (view.time_s + view.control_period_s), 0.0)]
-    ...     return control
-    >>> scenario = "scenarios/analytic/centre-pull.json"
-    >>> compare_controller(scenario, tow, tiers="replayed").verdicts["path"]["verdict"]
-    'agree'
-    """
-    if not callable(make_controller):
-        raise TypeError(f"make_controller: must be a function, found {type(make_controller).__name__}")
-    settings = {"step_s": number("step_s", step_s), "recorded_from": text("recorded_from", recorded_from)}
-    return _compared(scenario, settings, tiers, seeds, seed, make_controller, [], threads, progress)
 
 
 def _compared(
@@ -245,6 +335,7 @@ def _compared(
     engines: list[EngineLike],
     threads: int | None,
     progress: bool | Callable[[float], Any] | None,
+    measure: Measure | None = None,
 ) -> Comparison:
     given = as_scenario(scenario)
     scene = given._scene if seed is None else given._scene.with_seed(whole("seed", seed))
@@ -253,6 +344,7 @@ def _compared(
     names = texts("tiers", tiers)
     show, end = progress_of(progress, "compare")
     try:
-        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, engines, n_threads, show))
+        asked_measure = None if measure is None else measure._asked()
+        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, asked_measure, engines, n_threads, show))
     finally:
         end()

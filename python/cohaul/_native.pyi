@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from typing_extensions import Self
 
@@ -71,6 +71,9 @@ class SweepData:
     csv: str
     n_rows: int
 
+class RolloutData:
+    def column(self, name: str) -> Column: ...
+
 class View:
     """What a controller sees of a run at the start of a control period, and its commands."""
 
@@ -98,6 +101,21 @@ class View:
     @property
     def pulls(self) -> np.ndarray:
         """Pull on the tip of each spring (N, world); zero for a free one."""
+    @property
+    def obstacles(self) -> np.ndarray:
+        """x, y (m, world) and heading (rad) of each obstacle."""
+    @property
+    def contacts(self) -> list[tuple[int, tuple[float, float], tuple[float, float]]]:
+        """Contacts in the last step: obstacle, point (m, world), force on the load (N, world)."""
+    @property
+    def contact_forces(self) -> np.ndarray:
+        """Force of each obstacle on the load in the last step (N, world)."""
+    @property
+    def friction_forces(self) -> np.ndarray:
+        """Friction force of the ground on each support in the last step (N, world)."""
+    def steer(self, obstacle: int, pose: Sequence[float] | np.ndarray) -> None:
+        """Sends an obstacle straight to ``pose`` (x, y in m, heading in rad, world) by the end of the
+        control period. It leaves the path of the scenario for good."""
     def attach(self, spring: int, tip: Sequence[float] | np.ndarray) -> None:
         """Attaches a free spring with its tip at ``tip`` (m, world)."""
     def release(self, spring: int) -> None:
@@ -111,13 +129,34 @@ class Stepper:
         """Attaches a free spring with its tip at ``tip`` (m, world)."""
     def release(self, spring: int) -> None:
         """Releases an attached spring, which relaxes at once."""
-    def advance(self, tips: Sequence[Sequence[float]] | np.ndarray, duration_s: float) -> str:
-        """Moves all tips straight to ``tips`` (m, world, one entry a spring) within a time (s)."""
+    def advance(
+        self,
+        tips: Sequence[Sequence[float]] | np.ndarray,
+        duration_s: float,
+        pushers: Mapping[int, Sequence[float] | np.ndarray] | None = None,
+    ) -> str:
+        """Moves all tips straight to ``tips`` (m, world, one entry a spring), and the obstacles of
+        ``pushers`` to their poses (x, y in m, heading in rad, world), within a time (s). Returns
+        how the steps ended: ``converged``, ``not_converged`` or ``failed``."""
     def save(self) -> str:
         """Complete state, from which :meth:`load` continues bit for bit."""
     def load(self, text: str) -> None:
         """Continues from a state that :meth:`save` returned."""
+    @property
+    def obstacles(self) -> np.ndarray:
+        """x, y (m, world) and heading (rad) of each obstacle."""
+    @property
+    def contacts(self) -> list[tuple[int, tuple[float, float], tuple[float, float]]]:
+        """Contacts in the last step: obstacle, point (m, world), force on the load (N, world)."""
+    @property
+    def contact_forces(self) -> np.ndarray:
+        """Force of each obstacle on the load in the last step (N, world)."""
+    @property
+    def friction_forces(self) -> np.ndarray:
+        """Friction force of the ground on each support in the last step (N, world)."""
     def facts(self) -> str: ...
+    def numbers(self) -> np.ndarray: ...
+    def set_numbers(self, path: str, bytes: bytes) -> None: ...
     @property
     def time_s(self) -> float:
         """Time so far (s)."""
@@ -150,6 +189,7 @@ def compare(
     tiers: list[str],
     n_seeds: int | None,
     controller: Callable[[int], Callable[[View], Any]] | None,
+    measure: dict[str, Any] | None,
     engines: list[Any],
     threads: int | None,
     progress: Callable[[float], Any] | None,
@@ -180,3 +220,33 @@ def rust_loop_s(
     duration_s: float,
     n: int,
 ) -> float: ...
+def rollouts(
+    scene: Scene,
+    options: str,
+    states: bytes,
+    tips: bytes,
+    steered: list[int],
+    pushers: bytes,
+    sizes: tuple[int, int],
+    period_s: float,
+    threads: int | None,
+    progress: Callable[[float], Any] | None,
+) -> RolloutData: ...
+def seeded_rollouts(
+    scene: Scene,
+    options: str,
+    seeds: list[int | None],
+    n_periods: int,
+    threads: int | None,
+    progress: Callable[[float], Any] | None,
+) -> RolloutData: ...
+def rust_rollouts_s(
+    scene: Scene,
+    options: str,
+    starts: Sequence[tuple[float, float]],
+    shift: tuple[float, float],
+    period_s: float,
+    sizes: tuple[int, int],
+    threads: int,
+) -> float: ...
+def rust_push(scene: Scene, options: str) -> list[tuple[float, float, float, float]]: ...

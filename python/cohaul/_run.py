@@ -56,7 +56,9 @@ class Trace(Table):
     ``turn_rate_rad_per_s``, ``elastic_j``, ``kinetic_j``, ``friction_j`` and ``tip_work_j`` lie
     where the run has put them and are not copied. ``dissipated_j``, ``defect_j``,
     ``interaction_n`` and ``n_transporting`` are computed once. ``tips_m`` and ``pulls_n`` have
-    the shape (rows, springs, 2), in world axes, with NaN for a free spring.
+    the shape (rows, springs, 2), in world axes, with NaN for a free spring. ``obstacles`` has x, y
+    (m, world) and heading (rad) of each obstacle where it really was, steered or on its path:
+    (rows, obstacles, 3); ``contact_forces_n`` the force of each on the load: (rows, obstacles, 2).
     """
 
     __slots__ = ("_data", "_columns")
@@ -86,12 +88,14 @@ class Trace(Table):
     def _flat(self) -> dict[str, np.ndarray]:
         """Columns of one dimension; those of springs are ``pull_x_0_n`` and so on."""
         columns = {name: self[name] for name in self if self[name].ndim == 1}
-        for name, stem, unit in [("tips_m", "tip", "m"), ("pulls_n", "pull", "n")]:
+        for name, stem, unit in [("tips_m", "tip", "m"), ("pulls_n", "pull", "n"), ("obstacles", "obstacle", "m"), ("contact_forces_n", "contact_force", "n")]:
             values = self[name]
             if values.ndim == 3:
                 for spring in range(values.shape[1]):
                     columns[f"{stem}_x_{spring}_{unit}"] = values[:, spring, 0]
                     columns[f"{stem}_y_{spring}_{unit}"] = values[:, spring, 1]
+        for obstacle in range(self["obstacles"].shape[1]):
+            columns[f"obstacle_heading_{obstacle}_rad"] = self["obstacles"][:, obstacle, 2]
         return columns
 
     def __repr__(self) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, Mapping, Sequence
 
+import numpy as np
+
 from . import _native
 from ._options import as_json, backend_options
 from ._scenario import Scenario, Source, as_scenario
@@ -20,6 +22,12 @@ class Simulation(_native.Stepper):
     (x, y, heading) in m and rad, ``twist`` is (vx, vy, turn rate) in m/s and rad/s. ``tips`` (m)
     and ``pulls`` (N) have a row (x, y) for each spring, in world axes.
 
+    Obstacles are named by their index too. They follow their paths until ``advance`` steers them:
+    its argument ``pushers`` maps obstacles to the poses that they shall have at the end, where they
+    go straight in time. ``obstacles`` has a row (x, y, heading) for each, ``contact_forces`` a row
+    (x, y) with the force on the load in the last step (N), and ``contacts`` a tuple (obstacle,
+    point, force) for each contact. ``friction_forces`` has a row (x, y) for each support (N).
+
     >>> sim = Simulation("scenarios/analytic/centre-pull.json", "quasi-static", step_s=1e-3)
     >>> sim.attach(0, (0.0, 0.0))
     >>> for tick in range(1, 401):
@@ -31,6 +39,14 @@ class Simulation(_native.Stepper):
     0.006906
     >>> bool(abs(sim.pulls[0, 0] - sim.scenario.slip_limit_n) < 1e-12)
     True
+
+    >>> sim = Simulation("scenarios/contact/pusher.json", "inertial")
+    >>> sim.advance([], 0.5, pushers={0: (0.0028, 0.0, 0.0)}), round(sim.pose[0], 4)
+    ('converged', 0.02)
+    >>> again = Simulation(sim.scenario, "inertial")
+    >>> again.state = sim.state
+    >>> bool((again.state == sim.state).all()), again.state.shape
+    (True, (11,))
     """
 
     scenario: Scenario
@@ -69,6 +85,46 @@ class Simulation(_native.Stepper):
         return self.scenario.n_springs
 
     @property
+    def n_obstacles(self) -> int:
+        """Number of obstacles (1)."""
+        return int(self.obstacles.shape[0])
+
+    @property
+    def state(self) -> np.ndarray:
+        """The state as numbers, with the shape (7 + 3 springs + 4 obstacles,).
+
+        These are the time (s); x, y (m, world) and heading (rad) of the load; its velocity (m/s,
+        world) and turn rate (rad/s); for each spring 1 if it is attached or 0, and x and y of its
+        tip (m, world); for each obstacle 1 if it was steered or 0, and x, y (m, world) and heading
+        (rad).
+
+        Setting it continues from there, also from numbers that were changed. The energy ledger then
+        begins anew, and so does what a solver keeps from step to step: two runs from one state are
+        equal to the bit, and differ from the run that went through it by rounding and, where the
+        forces on a load at rest are not unique, in these. :meth:`save` keeps all of it. An obstacle
+        that was not steered follows its path from the time of the state on. A spring that was wound
+        by more than half a turn is attached unwound. Without inertia the twist is that of the last
+        step, and is not read.
+        """
+        return self.numbers()[0]
+
+    @state.setter
+    def state(self, state: Any) -> None:
+        self.set_numbers("state", _bytes("state", state))
+
+    def set_pose(self, pose: Sequence[float] | np.ndarray) -> None:
+        """Puts the load at rest at a pose (x, y in m, heading in rad, world).
+
+        Tips and obstacles stay where they are. Otherwise it is as if :attr:`state` was set.
+        """
+        place = np.frombuffer(_bytes("pose", pose))
+        if place.shape != (3,):
+            raise ValueError(f"pose: must be three numbers (x, y, heading), found {place.size}")
+        state = self.state.copy()
+        state[1:4], state[4:7] = place, 0.0
+        self.set_numbers("pose", state.tobytes())
+
+    @property
     def energy(self) -> dict[str, float]:
         """Energy ledger so far (J)."""
         return json.loads(self.facts())["energy"]
@@ -80,3 +136,11 @@ class Simulation(_native.Stepper):
 
     def __repr__(self) -> str:
         return f"<Simulation of {self.scenario.name!r} on {self.backend} at {self.time_s:g} s>"
+
+
+def _bytes(path: str, values: Any) -> bytes:
+    """Numbers in memory."""
+    try:
+        return np.ascontiguousarray(values, dtype=np.float64).tobytes()
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{path}: must be an array of numbers, found {type(values).__name__}") from error

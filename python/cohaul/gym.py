@@ -1,4 +1,4 @@
-"""Gymnasium environment: move the tips of the springs so that the load reaches a goal.
+"""Gymnasium environment: move the tips of springs, and pushers, so that the load reaches a goal.
 
 >>> import gymnasium, cohaul.gym
 >>> env = gymnasium.make("cohaul/Transport-v0", backend="inertial")
@@ -8,15 +8,22 @@
 >>> environments = gymnasium.make_vec("cohaul/Transport-v0", num_envs=3)
 >>> environments.reset(seed=1)[0].shape
 (3, 23)
+
+Obstacles can be steered too, here a disc that pushes the load:
+
+>>> env = gymnasium.make("cohaul/Transport-v0", scenario="scenarios/contact/pusher.json", pushers=[0])
+>>> env.reset(seed=1)[0].shape, env.action_space.shape
+((13,), (3,))
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Sequence
 
 import numpy as np
 
+from ._options import whole
 from ._run import library
 from ._scenario import Scenario, Source
 from ._simulation import Simulation
@@ -46,19 +53,24 @@ PAPER_LOAD: dict[str, Any] = {
 
 
 class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ignore]
-    """A load that springs drag to a goal, on any backend.
+    """A load that springs drag and obstacles push to a goal, on any backend.
 
     All springs are attached, undeformed, at the start. An action has a velocity for each tip in
-    units of ``max_speed_m_per_s``, (x, y) from -1 to 1; the tips move for one control period. An
+    units of ``max_speed_m_per_s``, (x, y) from -1 to 1; the tips move for one control period. Then
+    it has the velocity of each of the ``pushers``, and its turn rate in units of
+    ``max_turn_rate_rad_per_s``; other obstacles follow their paths. An
     observation has the goal seen from the load (m, world), cosine and sine of the heading, the
     twist of the load (m/s, rad/s), the tips seen from the load (m, world), and the pulls on the
-    tips over the sum of all slip limits (1). The reward is the approach to the goal over the
+    tips over the sum of all slip limits (1). Then it has, for each pusher, its position seen from
+    the load (m, world), cosine and sine of its heading, and its force on the load over the sum of
+    all slip limits (1, world). The reward is the approach to the goal over the
     distance at the start (1). An episode ends within ``goal_radius_m`` of the goal, or at the
     duration of the scenario.
 
     :param scenario: the load, its ground and its springs; the drive is not used
     :param goal_m: position of the goal (m); by default a random direction in each episode
     :param goal_distance_m: distance of a random goal (m)
+    :param pushers: obstacles that the actions steer, by their indices
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
@@ -73,17 +85,22 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
         goal_radius_m: float = 0.01,
         max_speed_m_per_s: float = 0.05,
         step_s: float | None = None,
+        pushers: Sequence[int] = (),
+        max_turn_rate_rad_per_s: float = 1.0,
     ) -> None:
         self.scenario = Scenario(PAPER_LOAD if scenario is None else scenario)
         self.backend, self.step_s = backend, step_s
         self.goal_m, self.goal_distance_m, self.goal_radius_m = goal_m, goal_distance_m, goal_radius_m
         self.max_speed_m_per_s = max_speed_m_per_s
-        n = self.scenario.n_springs
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2 * n,), np.float32)
-        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (7 + 4 * n,), np.float64)
+        self.max_turn_rate_rad_per_s = max_turn_rate_rad_per_s
+        self.simulation = Simulation(self.scenario, backend, step_s=step_s)
+        most = self.simulation.n_obstacles - 1
+        self.pushers = [whole(f"pushers[{at}]", obstacle, 0, most) or 0 for at, obstacle in enumerate(pushers)]
+        n, n_pushers = self.scenario.n_springs, len(self.pushers)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2 * n + 3 * n_pushers,), np.float32)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (7 + 4 * n + 6 * n_pushers,), np.float64)
         self._rest = _undeformed(self.scenario)
         self._goal = np.zeros(2)
-        self.simulation = Simulation(self.scenario, backend, step_s=step_s)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Puts the load at its start and attaches all springs."""
@@ -99,11 +116,14 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
         return self._observation(), self._info("converged")
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Moves the tips for one control period."""
+        """Moves tips and pushers for one control period."""
         sim, before = self.simulation, self._distance()
         period = sim.control_period_s
-        velocity = np.clip(np.asarray(action, dtype=float).reshape(-1, 2), -1.0, 1.0) * self.max_speed_m_per_s
-        status = sim.advance(sim.tips + period * velocity, period)
+        of_tips, of_pushers = np.split(np.clip(np.asarray(action, dtype=float), -1.0, 1.0), [2 * sim.n_springs])
+        velocity = of_tips.reshape(-1, 2) * self.max_speed_m_per_s
+        fastest = np.array([self.max_speed_m_per_s, self.max_speed_m_per_s, self.max_turn_rate_rad_per_s])
+        poses = sim.obstacles[self.pushers] + period * fastest * of_pushers.reshape(-1, 3)
+        status = sim.advance(sim.tips + period * velocity, period, dict(zip(self.pushers, poses)))
         distance = self._distance()
         terminated = distance <= self.goal_radius_m
         truncated = sim.time_s >= self.scenario.duration_s - 0.5 * period
@@ -119,6 +139,10 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
         place = np.array([x, y])
         pulls = sim.pulls / max(self.scenario.slip_limit_n, 1e-12)
         parts = [self._goal - place, [math.cos(heading), math.sin(heading)], sim.twist, (sim.tips - place).ravel(), pulls.ravel()]
+        poses, forces = sim.obstacles, sim.contact_forces / max(self.scenario.slip_limit_n, 1e-12)
+        for pusher in self.pushers:
+            turn = poses[pusher, 2]
+            parts += [poses[pusher, :2] - place, [math.cos(turn), math.sin(turn)], forces[pusher]]
         return np.concatenate(parts)
 
     def _info(self, status: str) -> dict[str, Any]:

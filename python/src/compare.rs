@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
-use cohaul::analysis::compare::{Pathwise, Settings, ThreeWay, Tier};
+use cohaul::analysis::compare::{OwnMeasure, Pathwise, Settings, ThreeWay, Tier};
 use cohaul::backend::BackendKind;
 use cohaul::formats::stamped;
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::Controller;
+use cohaul::simulation::{Controller, Row};
 use cohaul_engines::Engine;
 use cohaul_engines::engine::Open;
 use cohaul_report::chart::{self, Labelled};
@@ -21,6 +21,7 @@ use pyo3::prelude::*;
 
 use crate::controller::Makers;
 use crate::engine::Asked;
+use crate::measure::{self, Measure};
 use crate::options::{AskedComparison, named, read, refused};
 use crate::scene::Scene;
 use crate::trace::TraceData;
@@ -36,9 +37,9 @@ pub struct Comparison {
 }
 
 /// Compares the backends on a scenario, in the tiers asked for or in all that it has. `controller`
-/// is a function that makes a controller for a seed.
+/// is a function that makes a controller for a seed, `measure` one of a trace.
 #[pyfunction]
-#[pyo3(signature = (scene, settings, tiers, n_seeds, controller, engines, threads, progress))]
+#[pyo3(signature = (scene, settings, tiers, n_seeds, controller, measure, engines, threads, progress))]
 #[expect(clippy::too_many_arguments, reason = "Python names them")]
 pub fn compare(
     py: Python,
@@ -47,6 +48,7 @@ pub fn compare(
     tiers: Vec<String>,
     n_seeds: usize,
     controller: Option<Py<PyAny>>,
+    measure: Option<measure::Asked>,
     engines: Vec<Py<PyAny>>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
@@ -59,7 +61,7 @@ pub fn compare(
     if n_seeds == 0 || n_seeds > 1_000_000 || scenario.seed.checked_add(n_seeds as u64 - 1).is_none() {
         return Err(refused("seeds", "must be from 1 to 1000000, and the last seed below 2^64", n_seeds));
     }
-    let makers = controller.map(Makers::new);
+    let (makers, measure) = (controller.map(Makers::new), measure.map(|asked| Measure::new(asked, &scenario)));
     let threads = pool(threads)?;
     let (started, clock) = (SystemTime::now(), Instant::now());
     let opens: Vec<_> = engines.iter().map(|asked| || asked.open()).collect();
@@ -75,7 +77,7 @@ pub fn compare(
     Engine::check_names(&met).map_err(wrong)?;
     let willing = Engine::willing(&met).map_err(|what| PyNotImplementedError::new_err(format!("engine: {what}")));
     let (willing, refused_by) = willing?;
-    let own = Own { makers: makers.as_ref(), engines: &willing };
+    let own = Own { makers: makers.as_ref(), measure: measure.as_ref(), engines: &willing };
     let found = computed(py, progress, |watch| threads.install(|| all(&scenario, &settings, &tiers, n_seeds, own, watch)));
     engines.iter().try_for_each(Asked::check)?;
     if let Some(what) = met.iter().find_map(Engine::complaint) {
@@ -83,6 +85,7 @@ pub fn compare(
     }
     let found = found?;
     makers.as_ref().map_or(Ok(()), Makers::check)?;
+    measure.as_ref().map_or(Ok(()), Measure::check)?;
     // Only an interrupt stops a comparison, and that is an exception already.
     let (found, others) = found.expect("the comparison ended");
     let found = comparison::Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
@@ -94,22 +97,33 @@ pub fn compare(
 fn asked(names: &[String], scenario: &Scenario, [has_controller, has_engine]: [bool; 2]) -> PyResult<Vec<Tier>> {
     let possible: &[Tier] = match scenario.drive {
         Drive::Tips(_) if !has_controller => &[Tier::Prescribed],
+        _ if has_controller && has_engine => &[Tier::Replayed, Tier::Controlled],
         _ if has_engine => &[Tier::Replayed],
+        _ if has_controller => &[Tier::Replayed, Tier::ClosedLoop, Tier::Controlled],
         _ => &[Tier::Replayed, Tier::ClosedLoop],
     };
-    let tiers: Vec<Tier> = names.iter().map(|name| named("tiers", name)).collect::<PyResult<_>>()?;
+    let tiers: Vec<Tier> = names.iter().map(|name| tier_named("tiers", name)).collect::<PyResult<_>>()?;
     match tiers.iter().find(|tier| !possible.contains(tier)) {
         Some(_) if possible == [Tier::Replayed] => Err(refused("tiers", "must be replayed for ants with an engine", names.join(", "))),
         Some(_) if possible.len() == 1 => Err(refused("tiers", "must be prescribed for given tip paths", names.join(", "))),
-        Some(_) => Err(refused("tiers", "must be replayed or closed-loop for ants or a controller", names.join(", "))),
-        None => Ok(if tiers.is_empty() { possible.to_vec() } else { tiers }),
+        Some(_) if !has_controller => Err(refused("tiers", "must be replayed or closed-loop for ants", names.join(", "))),
+        Some(_) if has_engine => Err(refused("tiers", "must be replayed or controlled for a controller with an engine", names.join(", "))),
+        Some(_) => Err(refused("tiers", "must be replayed, closed-loop or controlled for a controller", names.join(", "))),
+        None if tiers.is_empty() => Ok(possible.iter().copied().filter(|tier| *tier != Tier::Controlled).collect()),
+        None => Ok(tiers),
     }
+}
+
+/// The tier of a name. Files and the program have no `controlled` one.
+fn tier_named(path: &str, name: &str) -> PyResult<Tier> {
+    if name == "controlled" { Ok(Tier::Controlled) } else { named(path, name) }
 }
 
 /// What may be written in Python.
 #[derive(Clone, Copy)]
 struct Own<'a> {
     makers: Option<&'a Makers>,
+    measure: Option<&'a Measure>,
     engines: &'a [&'a Engine<'a>],
 }
 
@@ -123,11 +137,15 @@ fn all(
     own: Own,
     watch: &Watch,
 ) -> Option<(Tiers, Vec<Pathwise>)> {
-    let Own { makers, engines } = own;
+    let Own { makers, measure, engines } = own;
     let make = |scenario: &Scenario| -> Box<dyn Controller> { makers.expect("there is one").controller(scenario) };
     let runs = ThreeWay::new(scenario, settings);
     let runs = if makers.is_some() { runs.controller(&make) } else { runs };
-    let are_well = || makers.is_none_or(Makers::are_well) && engines.iter().all(|engine| engine.is_well());
+    let number = |rows: &[Row]| measure.map_or(f64::NAN, |measure| measure.number(rows));
+    let own = measure.map(|measure| OwnMeasure { name: measure.name, unit: measure.unit, of: &number, tolerance: measure.tolerance });
+    let runs = own.as_ref().map_or(runs, |own| runs.measure(own));
+    let are_well =
+        || makers.is_none_or(Makers::are_well) && measure.is_none_or(Measure::is_well) && engines.iter().all(|engine| engine.is_well());
     let (mut found, mut others, n_parts) = (Tiers::default(), Vec::new(), (tiers.len() * engines.len()) as f64);
     for (at, tier) in tiers.iter().enumerate() {
         let paths = |nth: usize, beside: Option<&Pathwise>| {
@@ -142,7 +160,11 @@ fn all(
         for nth in 1..engines.len() {
             others.push(paths(nth, Some(&first))?);
         }
-        *(if *tier == Tier::Prescribed { &mut found.prescribed } else { &mut found.replayed }) = Some(first);
+        *match tier {
+            Tier::Prescribed => &mut found.prescribed,
+            Tier::Controlled => &mut found.controlled,
+            Tier::Replayed | Tier::ClosedLoop => &mut found.replayed,
+        } = Some(first);
     }
     Some((found, others))
 }
@@ -155,7 +177,7 @@ impl Comparison {
 
     /// Runs of a tier: those of the exact backends, then those of the engines.
     fn runs(&self, tier: &str) -> PyResult<(Tier, Vec<Labelled<'_>>)> {
-        let tier = named::<Tier>("tier", tier)?;
+        let tier = tier_named("tier", tier)?;
         let runs = match self.found.tiers.pathwise().find(|found| found.tier == tier) {
             Some(found) => Some(self.found.runs(found)),
             None => {
@@ -190,7 +212,7 @@ impl Comparison {
         let (_, runs) = self.runs(tier)?;
         let run = runs.iter().find(|run| run.label == backend);
         let run = run.ok_or_else(|| refused("backend", "must be one that was compared", backend))?;
-        Ok(TraceData::new(Arc::new(run.trace.clone()), self.scenario.system.springs.len()))
+        Ok(TraceData::new(Arc::new(run.trace.clone()), &self.scenario))
     }
 
     /// Paths, differences and pulls over time, as SVG.

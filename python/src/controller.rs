@@ -3,13 +3,15 @@
 use std::sync::{Arc, Mutex};
 
 use cohaul::backend::Motion;
-use cohaul::math::Vec2;
+use cohaul::math::{Pose, Vec2};
+use cohaul::model::ObstaclePose;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{self, Commands, Controller, Event, EventKind};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::points::{array, point, points};
+use crate::points::{point, point_array, points};
+use crate::seen::{Contact, Seen, check_obstacle};
 
 /// A Python function that decides, and the first exception that it raised.
 pub struct Written {
@@ -25,7 +27,10 @@ pub struct View {
     motion: Motion,
     tips: Vec<Option<Vec2>>,
     pulls: Vec<Vec2>,
+    seen: Seen,
     events: Vec<(EventKind, usize)>,
+    /// Where obstacles shall be at the end of the control period.
+    pushers: Vec<ObstaclePose>,
     is_finished: bool,
 }
 
@@ -37,6 +42,9 @@ pub struct Instance {
     /// Start and end of the control period (s).
     times: [f64; 2],
     targets: Vec<Vec2>,
+    /// Obstacles that are steered: poses at the start and at the end of the control period.
+    steered: Vec<(Pose, ObstaclePose)>,
+    pushers: Vec<ObstaclePose>,
     is_finished: Option<bool>,
 }
 
@@ -47,7 +55,15 @@ impl Written {
 
     pub fn instance(self: &Arc<Self>, scenario: &Scenario) -> Instance {
         let still = vec![Vec2::zeros(); scenario.system.springs.len()];
-        Instance { written: Arc::clone(self), period: [still.clone(), still.clone()], times: [0.0; 2], targets: still, is_finished: None }
+        Instance {
+            written: Arc::clone(self),
+            period: [still.clone(), still.clone()],
+            times: [0.0; 2],
+            targets: still,
+            steered: Vec::new(),
+            pushers: Vec::new(),
+            is_finished: None,
+        }
     }
 
     /// Whether nothing was raised so far.
@@ -117,7 +133,9 @@ impl Instance {
             motion: view.motion,
             tips: springs.clone().map(|spring| view.backend.tip(spring)).collect(),
             pulls: springs.map(|spring| view.pull(spring)).collect(),
+            seen: Seen::of(&view.scenario.system, view.backend, view.time),
             events: Vec::new(),
+            pushers: Vec::new(),
             is_finished: false,
         };
         let seen = Bound::new(py, seen)?;
@@ -141,9 +159,19 @@ impl Instance {
                 tip: seen.tips[*spring].or(view.backend.tip(*spring)).unwrap_or_default(),
             }));
         }
+        self.steered.clear();
+        self.steered.extend(seen.pushers.iter().map(|target| (seen.seen.obstacles[target.obstacle], *target)));
         self.times = [seen.time_s, seen.until_s];
         self.is_finished = self.is_finished.or(seen.is_finished.then_some(true));
         Ok(())
+    }
+}
+
+impl Instance {
+    /// Share of the control period at a time (s); `None` at its end.
+    fn share(&self, until: f64) -> Option<f64> {
+        let [from, to] = self.times;
+        Some((until - from) / (to - from)).filter(|share| *share <= 1.0 - 1e-9)
     }
 }
 
@@ -152,19 +180,29 @@ impl Controller for Instance {
         if view.tick.is_some() && self.written.is_well() {
             Python::with_gil(|py| self.ask(py, view, commands)).unwrap_or_else(|error| {
                 commands.events.clear();
+                self.steered.clear();
                 self.written.keep(error);
             });
         }
     }
 
     fn targets(&mut self, _view: &simulation::View, until: f64) -> &[Vec2] {
-        let ([start, end], [from, to]) = (&self.period, self.times);
-        let share = (until - from) / (to - from);
-        let is_end = share > 1.0 - 1e-9;
+        let (share, [start, end]) = (self.share(until), &self.period);
         for ((target, start), end) in self.targets.iter_mut().zip(start).zip(end) {
-            *target = if is_end { *end } else { start + share * (end - start) };
+            *target = share.map_or(*end, |share| start + share * (end - start));
         }
         &self.targets
+    }
+
+    fn pushers(&mut self, _view: &simulation::View, until: f64) -> &[ObstaclePose] {
+        let share = self.share(until);
+        let part = |(start, end): &(Pose, ObstaclePose)| {
+            let pose = share.map_or(end.pose, |share| start.towards(&end.pose, share));
+            ObstaclePose { pose, ..*end }
+        };
+        self.pushers.clear();
+        self.pushers.extend(self.steered.iter().map(part));
+        &self.pushers
     }
 
     fn arrived(&self, _motion: &Motion) -> Option<bool> {
@@ -215,13 +253,49 @@ impl View {
     /// Tip of each spring (m, world); NaN for a free one.
     #[getter]
     fn tips<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array(py, self.tips.iter().map(|tip| tip.unwrap_or(Vec2::new(f64::NAN, f64::NAN))))
+        point_array(py, self.tips.iter().map(|tip| tip.unwrap_or(Vec2::new(f64::NAN, f64::NAN))))
     }
 
     /// Pull on the tip of each spring (N, world); zero for a free one.
     #[getter]
     fn pulls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array(py, self.pulls.iter().copied())
+        point_array(py, self.pulls.iter().copied())
+    }
+
+    /// x, y (m, world) and heading (rad) of each obstacle.
+    #[getter]
+    fn obstacles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.seen.obstacle_array(py)
+    }
+
+    /// Contacts with obstacles in the last step: obstacle, point (m, world), and force on the load
+    /// (N, world).
+    #[getter]
+    fn contacts(&self) -> Vec<Contact> {
+        self.seen.contacts()
+    }
+
+    /// Force of each obstacle on the load in the last step (N, world).
+    #[getter]
+    fn contact_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.seen.force_array(py)
+    }
+
+    /// Friction force of the ground on each support in the last step (N, world).
+    #[getter]
+    fn friction_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.seen.friction_array(py)
+    }
+
+    /// Sends an obstacle straight to `pose` (x, y in m, heading in rad, world) by the end of the
+    /// control period. It leaves the path of the scenario for good.
+    fn steer(&mut self, obstacle: usize, pose: &Bound<PyAny>) -> PyResult<()> {
+        check_obstacle(obstacle, self.seen.obstacles.len())?;
+        if self.pushers.iter().any(|other| other.obstacle == obstacle) {
+            return Err(PyValueError::new_err(format!("obstacle: must be steered once at an instant, found {obstacle} again")));
+        }
+        self.pushers.push(ObstaclePose { obstacle, pose: crate::seen::pose(pose, "pose")? });
+        Ok(())
     }
 
     /// Attaches a free spring with its tip at `tip` (m, world).

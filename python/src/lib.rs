@@ -9,8 +9,13 @@
 //! run.rs         one run
 //! controller.rs  a controller that is written in Python
 //! engine.rs      an engine that is written in Python
+//! pushed.rs      the example of a pushing controller in Rust
+//! seen.rs        obstacles, contacts and friction as a controller sees them
+//! state.rs       a load with its time, and its state as numbers
 //! stepper.rs     a load that is moved step by step
+//! rollouts.rs    many short runs in one call
 //! compare.rs     a comparison of three backends
+//! measure.rs     a measure of a run that is written in Python
 //! conformance.rs questions with closed answers
 //! measured.rs    measured runs beside simulated ones
 //! sweep.rs       many runs on all threads
@@ -22,11 +27,16 @@ mod conformance;
 mod controller;
 mod engine;
 mod import;
+mod measure;
 mod measured;
 mod options;
 mod points;
+mod pushed;
+mod rollouts;
 mod run;
 mod scene;
+mod seen;
+mod state;
 mod stepper;
 mod sweep;
 mod trace;
@@ -46,6 +56,10 @@ mod _native {
     use super::import::{Import, import_scenario};
     #[pymodule_export]
     use super::measured::{Measured, measured};
+    #[pymodule_export]
+    use super::pushed::rust_push;
+    #[pymodule_export]
+    use super::rollouts::{RolloutData, rollouts, rust_rollouts_s, seeded_rollouts};
     #[pymodule_export]
     use super::run::{RunData, run};
     #[pymodule_export]

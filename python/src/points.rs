@@ -7,7 +7,7 @@ use pyo3::sync::GILOnceCell;
 use pyo3::types::{PyBytes, PyList, PyTuple};
 
 /// Largest coordinate (m): beyond it, squares of distances are no longer finite.
-const LARGEST: f64 = 1e60;
+pub const LARGEST: f64 = 1e60;
 
 /// Reads one point (m) from each entry of `value`: a list, a tuple or an array of pairs.
 ///
@@ -94,13 +94,24 @@ fn not_a(path: &str, what: &str, value: &Bound<PyAny>) -> PyErr {
     PyTypeError::new_err(format!("{path}: must be {what}, found {found}"))
 }
 
-/// A read-only array of `n` rows of two numbers.
-pub fn array<'py>(py: Python<'py>, values: impl Iterator<Item = Vec2>) -> PyResult<Bound<'py, PyAny>> {
+/// A read-only array of points: rows of two numbers.
+pub fn point_array<'py>(py: Python<'py>, values: impl Iterator<Item = Vec2>) -> PyResult<Bound<'py, PyAny>> {
+    array_of(py, values.flat_map(|value| [value.x, value.y]), 2)
+}
+
+/// A read-only array of rows of so many numbers.
+pub fn array_of<'py>(py: Python<'py>, values: impl Iterator<Item = f64>, width: usize) -> PyResult<Bound<'py, PyAny>> {
     static FROM_BUFFER: GILOnceCell<Py<PyAny>> = GILOnceCell::new();
-    let bytes: Vec<u8> = values.flat_map(|value| [value.x, value.y]).flat_map(f64::to_ne_bytes).collect();
+    let bytes: Vec<u8> = values.flat_map(f64::to_ne_bytes).collect();
     if bytes.is_empty() {
-        return py.import("numpy")?.call_method1("zeros", ((0, 2),));
+        return py.import("numpy")?.call_method1("zeros", ((0, width),));
     }
     let from_buffer = FROM_BUFFER.get_or_try_init(py, || py.import("numpy")?.getattr("frombuffer").map(Bound::unbind))?;
-    from_buffer.bind(py).call1((PyBytes::new(py, &bytes),))?.call_method1("reshape", (-1, 2))
+    from_buffer.bind(py).call1((PyBytes::new(py, &bytes),))?.call_method1("reshape", (-1, width))
+}
+
+/// The numbers of an array in memory, as its `tobytes` gives them.
+pub fn numbers(bytes: &[u8]) -> Vec<f64> {
+    let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().expect("eight bytes"));
+    bytes.chunks_exact(size_of::<f64>()).map(number).collect()
 }

@@ -103,7 +103,7 @@ impl RunData {
     }
 
     fn trace(&self) -> TraceData {
-        TraceData::new(Arc::clone(&self.trace), self.scenario.system.springs.len())
+        TraceData::new(Arc::clone(&self.trace), &self.scenario)
     }
 
     /// The page that `cohaul run --report` writes.

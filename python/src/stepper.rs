@@ -3,17 +3,20 @@
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
-use cohaul::backend::{Backend, BackendOptions, SavedState, Status, StepReport, build};
+use cohaul::backend::{BackendOptions, SavedState, Status, StepReport};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde::{Deserialize, Serialize};
 
 use crate::controller::must_be;
 use crate::options::{Asked, read, refused};
-use crate::points::{array, point, points};
+use crate::points::{array_of, numbers, point, point_array, points};
 use crate::scene::Scene;
+use crate::seen::{Contact, Seen};
+use crate::state::{State, n_numbers};
 use crate::work::{guarded, internal};
 
 /// Most steps in one advance (1): interrupts are handled between two of them.
@@ -29,18 +32,6 @@ pub struct Stepper {
     state: Mutex<State>,
 }
 
-struct State {
-    backend: Box<dyn Backend + Send>,
-    time: f64,
-    totals: StepReport,
-    /// Attached tips (m, world).
-    tips: Vec<Option<Vec2>>,
-    /// Kept for their memory.
-    targets: Vec<Vec2>,
-    between: Vec<Vec2>,
-    is_broken: bool,
-}
-
 /// Complete state, as text.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -50,47 +41,8 @@ struct Saved {
     time_s: f64,
     totals: StepReport,
     tips: Vec<Option<Vec2>>,
+    is_steered: Vec<bool>,
     backend: SavedState,
-}
-
-impl State {
-    fn new(scenario: &Scenario, options: &BackendOptions) -> Self {
-        let n_springs = scenario.system.springs.len();
-        Self {
-            backend: build(&scenario.system, scenario.start, options),
-            time: 0.0,
-            totals: StepReport::default(),
-            tips: vec![None; n_springs],
-            targets: Vec::with_capacity(n_springs),
-            between: Vec::with_capacity(n_springs),
-            is_broken: false,
-        }
-    }
-
-    /// Moves the tips to `targets`, and stops at each instant at which an obstacle turns.
-    fn advance(&mut self, scenario: &Scenario, duration: f64) -> StepReport {
-        let (from, to) = (self.time, self.time + duration);
-        let corner = scenario.system.world.next_corner(from);
-        let mut report = StepReport::default();
-        if corner < to {
-            let start: Vec<Vec2> = self.tips.iter().map(|tip| tip.unwrap_or_default()).collect();
-            let mut corner = corner;
-            while corner < to {
-                let share = (corner - from) / duration;
-                self.between.clear();
-                self.between.extend(start.iter().zip(&self.targets).map(|(start, end)| start + share * (end - start)));
-                report.add(&self.backend.advance(&self.between, corner - self.time));
-                self.time = corner;
-                corner = scenario.system.world.next_corner(corner);
-            }
-        }
-        report.add(&self.backend.advance(&self.targets, to - self.time));
-        self.time = to;
-        for (tip, target) in self.tips.iter_mut().zip(&self.targets) {
-            *tip = tip.map(|_| *target);
-        }
-        report
-    }
 }
 
 impl Stepper {
@@ -106,6 +58,10 @@ impl Stepper {
             true => Err(internal("this simulation cannot be used after a panic".to_owned())),
             false => Ok(state),
         }
+    }
+
+    fn seen(&self) -> PyResult<Seen> {
+        self.with(|state| state.seen(&self.scenario))
     }
 
     fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> PyResult<T> {
@@ -132,28 +88,25 @@ impl Stepper {
     fn attach(&self, spring: usize, tip: &Bound<PyAny>) -> PyResult<()> {
         let tip = point(tip)?;
         must_be(&self.state()?.tips, spring, false)?;
-        self.with(|state| {
-            state.backend.attach(spring, tip);
-            state.tips[spring] = Some(tip);
-        })
+        self.with(|state| state.attach(spring, tip))
     }
 
     /// Releases an attached spring, which relaxes at once.
     fn release(&self, spring: usize) -> PyResult<()> {
         must_be(&self.state()?.tips, spring, true)?;
-        self.with(|state| {
-            state.backend.release(spring);
-            state.tips[spring] = None;
-        })
+        self.with(|state| state.release(spring))
     }
 
-    /// Moves all tips straight to `tips` (m, world, one entry a spring) within a time (s), and
-    /// returns how the steps ended: `converged`, `not_converged` or `failed`.
-    fn advance(&self, py: Python, tips: &Bound<PyAny>, duration_s: f64) -> PyResult<&'static str> {
+    /// Moves all tips straight to `tips` (m, world, one entry a spring), and the obstacles of
+    /// `pushers` straight to their poses (x, y in m, heading in rad, world), within a time (s).
+    /// Returns how the steps ended: `converged`, `not_converged` or `failed`.
+    #[pyo3(signature = (tips, duration_s, pushers=None))]
+    fn advance(&self, py: Python, tips: &Bound<PyAny>, duration_s: f64, pushers: Option<&Bound<PyDict>>) -> PyResult<&'static str> {
         let most = if self.options.tolerance.is_some() { LONGEST } else { MOST_STEPS * self.options.step_s };
         if !(duration_s > 0.0 && duration_s <= most) {
             return Err(refused("duration_s", &format!("must be above 0 and at most {most} s"), duration_s));
         }
+        let pushers = crate::seen::pushers(pushers, self.scenario.system.world.obstacles.len())?;
         let (mut targets, attached) = {
             let state = &mut *self.state()?;
             (std::mem::take(&mut state.targets), state.tips.iter().map(Option::is_some).collect::<Vec<_>>())
@@ -162,7 +115,7 @@ impl Stepper {
         let report = py.allow_threads(|| {
             self.with(|state| {
                 state.targets = targets;
-                let report = state.advance(&self.scenario, duration_s);
+                let report = state.advance(&self.scenario, &pushers, duration_s);
                 state.totals.add(&report);
                 report
             })
@@ -174,8 +127,8 @@ impl Stepper {
     fn save(&self) -> PyResult<String> {
         let saved = self.with(|state| {
             let backend = state.backend.save()?;
-            let (time_s, totals, tips) = (state.time, state.totals, state.tips.clone());
-            Ok(Saved { scenario_hash: self.scenario.hash(), options: self.options, time_s, totals, tips, backend })
+            let (time_s, totals, tips, is_steered) = (state.time, state.totals, state.tips.clone(), state.is_steered.clone());
+            Ok(Saved { scenario_hash: self.scenario.hash(), options: self.options, time_s, totals, tips, is_steered, backend })
         })?;
         let saved = saved.map_err(|error: cohaul::backend::SaveError| PyRuntimeError::new_err(error.to_string()))?;
         serde_json::to_string(&saved).map_err(|error| internal(error.to_string()))
@@ -190,8 +143,11 @@ impl Stepper {
         if saved.scenario_hash != hash {
             return Err(unfit(format!("it is of the scenario {}, this one is {hash}", saved.scenario_hash)));
         }
-        if saved.options != self.options || saved.tips.len() != self.scenario.system.springs.len() {
-            return Err(unfit("it has other options or springs".to_owned()));
+        if saved.options != self.options
+            || saved.tips.len() != self.scenario.system.springs.len()
+            || saved.is_steered.len() != self.scenario.system.world.obstacles.len()
+        {
+            return Err(unfit("it has other options, springs or obstacles".to_owned()));
         }
         // A state that does not fit leaves this one as it is.
         let mut state = guarded(|| State::new(&self.scenario, &self.options)).map_err(internal)?;
@@ -199,8 +155,23 @@ impl Stepper {
         if (0..saved.tips.len()).any(|spring| state.backend.tip(spring).is_some() != saved.tips[spring].is_some()) {
             return Err(unfit("its tips are not those of its load".to_owned()));
         }
-        (state.time, state.totals, state.tips) = (saved.time_s, saved.totals, saved.tips);
+        (state.time, state.totals, state.tips, state.is_steered) = (saved.time_s, saved.totals, saved.tips, saved.is_steered);
         *self.state()? = state;
+        Ok(())
+    }
+
+    /// The state as numbers.
+    fn numbers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let numbers = self.with(|state| state.numbers(&self.scenario))?;
+        array_of(py, numbers.into_iter(), n_numbers(&self.scenario))
+    }
+
+    /// Continues from a state of numbers, in the memory of an array.
+    fn set_numbers(&self, path: &str, bytes: &[u8]) -> PyResult<()> {
+        let numbers = numbers(bytes);
+        let made = guarded(|| State::of_numbers(&self.scenario, &self.options, &numbers)).map_err(internal)?;
+        let made = made.map_err(|what| PyValueError::new_err(format!("{path}: {what}")))?;
+        *self.state()? = made;
         Ok(())
     }
 
@@ -234,14 +205,39 @@ impl Stepper {
     #[getter]
     fn tips<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let tips = self.state()?.tips.clone();
-        array(py, tips.iter().map(|tip| tip.unwrap_or(Vec2::new(f64::NAN, f64::NAN))))
+        point_array(py, tips.iter().map(|tip| tip.unwrap_or(Vec2::new(f64::NAN, f64::NAN))))
     }
 
     /// Pull on the tip of each spring (N, world); zero for a free one.
     #[getter]
     fn pulls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let pulls = self.with(|state| (0..state.tips.len()).map(|spring| state.backend.pull(spring)).collect::<Vec<_>>())?;
-        array(py, pulls.into_iter())
+        point_array(py, pulls.into_iter())
+    }
+
+    /// x, y (m, world) and heading (rad) of each obstacle.
+    #[getter]
+    fn obstacles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.seen()?.obstacle_array(py)
+    }
+
+    /// Contacts with obstacles in the last step: obstacle, point (m, world), and force on the load
+    /// (N, world).
+    #[getter]
+    fn contacts(&self) -> PyResult<Vec<Contact>> {
+        Ok(self.seen()?.contacts())
+    }
+
+    /// Force of each obstacle on the load in the last step (N, world).
+    #[getter]
+    fn contact_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.seen()?.force_array(py)
+    }
+
+    /// Friction force of the ground on each support in the last step (N, world).
+    #[getter]
+    fn friction_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.seen()?.friction_array(py)
     }
 
     /// Energy ledger (J), and counts of the steps so far.
@@ -272,7 +268,7 @@ pub fn rust_loop_s(scene: &Scene, options: &str, starts: &Bound<PyAny>, shift: (
     let mut state = State::new(scenario, &options);
     let mut tips = Vec::new();
     points(starts, state.tips.len(), &mut tips, |_| true)?;
-    tips.iter().enumerate().for_each(|(spring, tip)| state.backend.attach(spring, *tip));
+    tips.iter().enumerate().for_each(|(spring, tip)| state.attach(spring, *tip));
     let shift = Vec2::new(shift.0, shift.1);
     let mut seen = 0.0;
     let clock = Instant::now();

@@ -3,16 +3,22 @@
 use std::mem::size_of;
 use std::sync::Arc;
 
+use cohaul::model::World;
+use cohaul::scenario::Scenario;
 use cohaul::simulation::{Row, Trace};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+
+use crate::seen::force_of_each;
 
 /// Trace of a run.
 #[pyclass(frozen, module = "cohaul._native")]
 pub struct TraceData {
     trace: Arc<Trace>,
     n_springs: usize,
+    /// Obstacles on the paths of the scenario.
+    world: World,
 }
 
 /// Numbers in memory that this object keeps alive and nobody changes.
@@ -47,7 +53,8 @@ const IN_PLACE: [&str; 11] = [
 ];
 
 /// Columns that are computed from the rows.
-const COMPUTED: [&str; 6] = ["dissipated_j", "defect_j", "interaction_n", "n_transporting", "tips_m", "pulls_n"];
+const COMPUTED: [&str; 8] =
+    ["dissipated_j", "defect_j", "interaction_n", "n_transporting", "tips_m", "pulls_n", "obstacles", "contact_forces_n"];
 
 fn field<'a>(row: &'a Row, name: &str) -> Option<&'a f64> {
     let Row { time, motion, energy, .. } = row;
@@ -68,13 +75,28 @@ fn field<'a>(row: &'a Row, name: &str) -> Option<&'a f64> {
 }
 
 impl TraceData {
-    pub fn new(trace: Arc<Trace>, n_springs: usize) -> Self {
-        Self { trace, n_springs }
+    pub fn new(trace: Arc<Trace>, scenario: &Scenario) -> Self {
+        Self { trace, n_springs: scenario.system.springs.len(), world: scenario.system.world.clone() }
     }
 
     /// One number of each row.
     fn numbers(&self, of: impl Fn(&Row) -> f64) -> Column {
         Column::of_numbers(self.trace.rows.iter().map(of).collect(), &[self.trace.rows.len()])
+    }
+
+    /// So many numbers of each obstacle in each row.
+    fn of_obstacles<const N: usize>(&self, of: impl Fn(&Row) -> Vec<[f64; N]>) -> Column {
+        let numbers = self.trace.rows.iter().flat_map(|row| of(row).into_iter().flatten()).collect();
+        Column::of_numbers(numbers, &[self.trace.rows.len(), self.world.obstacles.len(), N])
+    }
+
+    /// x, y and heading of each obstacle.
+    fn poses(&self, row: &Row) -> Vec<[f64; 3]> {
+        let pose = |(index, obstacle)| {
+            let pose = row.pose_of(index, obstacle);
+            [pose.position.x, pose.position.y, pose.heading]
+        };
+        self.world.obstacles.iter().enumerate().map(pose).collect()
     }
 
     /// Two numbers of each spring in each row; NaN for a free spring.
@@ -112,6 +134,10 @@ impl TraceData {
                 "interaction_n" => self.numbers(Row::interaction),
                 "n_transporting" => self.numbers(|row| row.tips.len() as f64),
                 "tips_m" => self.pairs(|tip| [tip.position.x, tip.position.y]),
+                "obstacles" => self.of_obstacles(|row| self.poses(row)),
+                "contact_forces_n" => self.of_obstacles(|row| {
+                    force_of_each(self.world.obstacles.len(), &row.contacts).iter().map(|force| [force.x, force.y]).collect()
+                }),
                 "pulls_n" => self.pairs(|tip| [tip.pull.x, tip.pull.y]),
                 _ if IN_PLACE.contains(&name) => Column::of_numbers(Vec::new(), &[0]),
                 _ => return Err(PyKeyError::new_err(format!("{name}: must be one of {}", Self::names().join(", ")))),
@@ -132,7 +158,7 @@ impl TraceData {
 }
 
 impl Column {
-    fn of_numbers(numbers: Vec<f64>, shape: &[usize]) -> Self {
+    pub fn of_numbers(numbers: Vec<f64>, shape: &[usize]) -> Self {
         let mut axes: Vec<(usize, usize)> = shape.iter().map(|n| (*n, size_of::<f64>())).collect();
         for at in (1..axes.len()).rev() {
             axes[at - 1].1 = axes[at].0 * axes[at].1;

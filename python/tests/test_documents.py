@@ -13,7 +13,7 @@ from conftest import ROOT
 
 import cohaul
 
-MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_compare", "_sweep", "_simulation", "_import", "_measured", "engines", "gym"])]
+MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_rollouts", "_compare", "_sweep", "_simulation", "_import", "_measured", "engines", "gym"])]
 
 
 @pytest.mark.parametrize("name", MODULES)

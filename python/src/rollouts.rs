@@ -1,0 +1,295 @@
+//! Many short runs in one call, on all threads: from states and commands, or under the drive of the
+//! scenario with several seeds.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::Instant;
+
+use cohaul::backend::{BackendOptions, Status};
+use cohaul::math::{Pose, Twist, Vec2};
+use cohaul::model::ObstaclePose;
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Keep, Simulation};
+use cohaul::stop::Stop;
+use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::options::{Asked, read};
+use crate::points::numbers;
+use crate::scene::Scene;
+use crate::seen::force_of_each;
+use crate::state::{State, n_numbers};
+use crate::trace::Column;
+use crate::work::{computed, internal, pool};
+
+/// Sizes of a call.
+#[derive(Clone, Copy)]
+struct Sizes {
+    n_rollouts: usize,
+    n_periods: usize,
+    n_springs: usize,
+    n_obstacles: usize,
+    /// Length of a state as numbers.
+    n_numbers: usize,
+}
+
+/// What is commanded, in the order of memory.
+struct Commands {
+    /// A state for each rollout.
+    states: Vec<f64>,
+    /// x and y of each tip at the end of each control period of each rollout (m, world); NaN
+    /// releases it.
+    tips: Vec<f64>,
+    /// Obstacles that are steered, and x, y and heading of each at the end of each control period.
+    steered: Vec<usize>,
+    pushers: Vec<f64>,
+    period: f64,
+}
+
+/// What one rollout shows: poses and twists from its start on, and what each control period ends
+/// with.
+struct Shown {
+    poses: Vec<f64>,
+    twists: Vec<f64>,
+    pulls: Vec<f64>,
+    forces: Vec<f64>,
+    statuses: Vec<f64>,
+    last: Vec<f64>,
+}
+
+/// Results of all rollouts, one after the other.
+#[pyclass(frozen, module = "cohaul._native")]
+pub struct RolloutData {
+    sizes: Sizes,
+    shown: Vec<Shown>,
+}
+
+impl Shown {
+    /// With no number so far.
+    fn new(sizes: &Sizes) -> Self {
+        let Sizes { n_periods, n_springs, n_obstacles, n_numbers, .. } = *sizes;
+        let nothing = |n: usize| vec![f64::NAN; n];
+        Self {
+            poses: nothing(3 * (n_periods + 1)),
+            twists: nothing(3 * (n_periods + 1)),
+            pulls: nothing(2 * n_periods * n_springs),
+            forces: nothing(2 * n_periods * n_obstacles),
+            statuses: nothing(n_periods),
+            last: nothing(n_numbers),
+        }
+    }
+
+    fn show_motion(&mut self, at: usize, pose: &Pose, twist: &Twist) {
+        self.poses[3 * at..3 * at + 3].copy_from_slice(&[pose.position.x, pose.position.y, pose.heading]);
+        self.twists[3 * at..3 * at + 3].copy_from_slice(&[twist.linear.x, twist.linear.y, twist.angular]);
+    }
+
+    fn show_end(&mut self, period: usize, pulls: impl Iterator<Item = Vec2>, forces: Vec<Vec2>, status: Status) {
+        let n_periods = self.statuses.len();
+        write(&mut self.pulls, n_periods, period, pulls);
+        write(&mut self.forces, n_periods, period, forces.into_iter());
+        self.statuses[period] = f64::from(status as u8);
+    }
+}
+
+/// Writes the points of one of so many periods into a list of those of all.
+fn write(into: &mut [f64], n_periods: usize, period: usize, points: impl Iterator<Item = Vec2>) {
+    let width = into.len() / n_periods;
+    for (out, point) in into[period * width..].chunks_exact_mut(2).zip(points) {
+        out.copy_from_slice(&[point.x, point.y]);
+    }
+}
+
+impl Commands {
+    /// Runs one rollout.
+    ///
+    /// # Errors
+    /// When its state is none.
+    fn rollout(&self, scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, which: usize) -> Result<Shown, String> {
+        let Sizes { n_periods, n_springs, n_obstacles, n_numbers, .. } = *sizes;
+        let numbers = &self.states[which * n_numbers..(which + 1) * n_numbers];
+        let mut state = State::of_numbers(scenario, options, numbers).map_err(|what| format!("states[{which}]: {what}"))?;
+        let mut shown = Shown::new(sizes);
+        let motion = state.backend.motion();
+        shown.show_motion(0, &motion.pose, &motion.twist);
+        let mut pushers: Vec<ObstaclePose> = Vec::with_capacity(self.steered.len());
+        for period in 0..n_periods {
+            let at = which * n_periods + period;
+            let tips = &self.tips[2 * n_springs * at..2 * n_springs * (at + 1)];
+            state.targets.clear();
+            for (spring, tip) in tips.chunks_exact(2).enumerate() {
+                if tip[0].is_nan() && state.tips[spring].is_some() {
+                    state.release(spring);
+                }
+                state.targets.push(Vec2::new(tip[0], tip[1]));
+            }
+            let poses = self.pushers[3 * self.steered.len() * at..].chunks_exact(3);
+            pushers.clear();
+            pushers.extend(
+                self.steered
+                    .iter()
+                    .zip(poses)
+                    .map(|(obstacle, pose)| ObstaclePose { obstacle: *obstacle, pose: Pose::new(pose[0], pose[1], pose[2]) }),
+            );
+            let report = state.advance(scenario, &pushers, self.period);
+            let motion = state.backend.motion();
+            shown.show_motion(period + 1, &motion.pose, &motion.twist);
+            let forces = if n_obstacles == 0 { Vec::new() } else { force_of_each(n_obstacles, &state.backend.side_contacts()) };
+            shown.show_end(period, (0..n_springs).map(|spring| state.backend.pull(spring)), forces, report.status);
+        }
+        shown.last = state.numbers(scenario);
+        Ok(shown)
+    }
+}
+
+/// A run of the scenario's own drive with another seed, which may end early.
+fn driven(scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, seed: u64) -> Shown {
+    let duration = sizes.n_periods as f64 * scenario.control_period;
+    let scenario = Scenario { seed, duration, ..scenario.clone() };
+    let mut run = Simulation::new(&scenario, options, Keep::Trace);
+    let mut shown = Shown::new(sizes);
+    run.run(|_time| true);
+    let (trace, outcome) = run.into_results();
+    for row in &trace.rows {
+        let at = ((row.time / scenario.control_period).round() as usize).min(sizes.n_periods);
+        shown.show_motion(at, &row.motion.pose, &row.motion.twist);
+        if at > 0 {
+            let pull = |spring: usize| row.tips.iter().find(|tip| tip.spring == spring).map_or(Vec2::zeros(), |tip| tip.pull);
+            let forces = force_of_each(sizes.n_obstacles, &row.contacts);
+            shown.show_end(at - 1, (0..sizes.n_springs).map(pull), forces, outcome.steps.status);
+        }
+    }
+    shown
+}
+
+/// Runs rollouts from states under commands, which are the memory of arrays. `sizes` are the
+/// numbers of rollouts and of control periods.
+#[pyfunction]
+#[pyo3(signature = (scene, options, states, tips, steered, pushers, sizes, period_s, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "Python names them")]
+pub fn rollouts(
+    py: Python,
+    scene: &Scene,
+    options: &str,
+    states: &[u8],
+    tips: &[u8],
+    steered: Vec<usize>,
+    pushers: &[u8],
+    sizes: (usize, usize),
+    period_s: f64,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<RolloutData> {
+    let (scenario, sizes) = (Arc::clone(&scene.scenario), sizes_of(&scene.scenario, sizes));
+    let options = read::<Asked>(options)?.options(&scenario)?;
+    let commands = Commands { states: numbers(states), tips: numbers(tips), steered, pushers: numbers(pushers), period: period_s };
+    let n = sizes.n_rollouts * sizes.n_periods;
+    let found = [commands.states.len(), commands.tips.len(), commands.pushers.len()];
+    let expected = [sizes.n_rollouts * sizes.n_numbers, 2 * n * sizes.n_springs, 3 * n * commands.steered.len()];
+    if found != expected || commands.steered.iter().any(|obstacle| *obstacle >= sizes.n_obstacles) {
+        return Err(internal(format!("arrays of {expected:?} numbers, found {found:?}")));
+    }
+    all(py, sizes, threads, progress, |which| commands.rollout(&scenario, &options, &sizes, which))
+}
+
+/// Runs the scenario's own drive with each seed for a number of control periods.
+#[pyfunction]
+#[pyo3(signature = (scene, options, seeds, n_periods, threads, progress))]
+pub fn seeded_rollouts(
+    py: Python,
+    scene: &Scene,
+    options: &str,
+    seeds: Vec<u64>,
+    n_periods: usize,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<RolloutData> {
+    let (scenario, sizes) = (Arc::clone(&scene.scenario), sizes_of(&scene.scenario, (seeds.len(), n_periods)));
+    let options = read::<Asked>(options)?.options(&scenario)?;
+    all(py, sizes, threads, progress, |which| Ok(driven(&scenario, &options, &sizes, seeds[which])))
+}
+
+fn sizes_of(scenario: &Scenario, (n_rollouts, n_periods): (usize, usize)) -> Sizes {
+    let (n_springs, n_obstacles) = (scenario.system.springs.len(), scenario.system.world.obstacles.len());
+    Sizes { n_rollouts, n_periods, n_springs, n_obstacles, n_numbers: n_numbers(scenario) }
+}
+
+fn all(
+    py: Python,
+    sizes: Sizes,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    one: impl Fn(usize) -> Result<Shown, String> + Sync + Send,
+) -> PyResult<RolloutData> {
+    let threads = pool(threads)?;
+    let n_done = AtomicUsize::new(0);
+    let found = computed(py, progress, |watch| {
+        let stop = Stop::current();
+        let one = |which: usize| {
+            let is_on = watch.go_on(n_done.fetch_add(1, Relaxed) as f64 / sizes.n_rollouts as f64);
+            is_on.then(|| stop.within(|| one(which)))
+        };
+        threads.install(|| (0..sizes.n_rollouts).into_par_iter().map(one).collect::<Option<Result<Vec<Shown>, String>>>())
+    })?;
+    // Only an interrupt stops it, and that is an exception already.
+    let shown = found.expect("the rollouts ended").map_err(PyValueError::new_err)?;
+    Ok(RolloutData { sizes, shown })
+}
+
+#[pymethods]
+impl RolloutData {
+    fn column(&self, py: Python, name: &str) -> PyResult<Column> {
+        let Sizes { n_rollouts, n_periods, n_springs, n_obstacles, n_numbers } = self.sizes;
+        let (of, shape): (fn(&Shown) -> &Vec<f64>, Vec<usize>) = match name {
+            "poses" => (|shown| &shown.poses, vec![n_rollouts, n_periods + 1, 3]),
+            "twists" => (|shown| &shown.twists, vec![n_rollouts, n_periods + 1, 3]),
+            "pulls" => (|shown| &shown.pulls, vec![n_rollouts, n_periods, n_springs, 2]),
+            "contact_forces" => (|shown| &shown.forces, vec![n_rollouts, n_periods, n_obstacles, 2]),
+            "statuses" => (|shown| &shown.statuses, vec![n_rollouts, n_periods]),
+            "states" => (|shown| &shown.last, vec![n_rollouts, n_numbers]),
+            _ => return Err(PyKeyError::new_err(name.to_owned())),
+        };
+        Ok(py.allow_threads(|| {
+            let mut numbers = Vec::with_capacity(shape.iter().product());
+            self.shown.iter().for_each(|shown| numbers.extend_from_slice(of(shown)));
+            Column::of_numbers(numbers, &shape)
+        }))
+    }
+}
+
+/// Real time (s) of as many rollouts in Rust, each of `n_periods` advances by `shift` (m) of all
+/// tips from `starts`, on so many threads. Pose and pulls are read after each.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "Python names them")]
+pub fn rust_rollouts_s(
+    py: Python,
+    scene: &Scene,
+    options: &str,
+    starts: Vec<(f64, f64)>,
+    shift: (f64, f64),
+    period_s: f64,
+    sizes: (usize, usize),
+    threads: usize,
+) -> PyResult<f64> {
+    let scenario = Arc::clone(&scene.scenario);
+    let options = read::<Asked>(options)?.options(&scenario)?;
+    let (threads, shift) = (pool(Some(threads))?, Vec2::new(shift.0, shift.1));
+    let one = |_: usize| {
+        let mut backend = cohaul::backend::build(&scenario.system, scenario.start, &options);
+        let mut tips: Vec<Vec2> = starts.iter().map(|(x, y)| Vec2::new(*x, *y)).collect();
+        tips.iter().enumerate().for_each(|(spring, tip)| backend.attach(spring, *tip));
+        let mut seen = 0.0;
+        for _ in 0..sizes.1 {
+            tips.iter_mut().for_each(|tip| *tip += shift);
+            backend.advance(&tips, period_s);
+            seen += backend.motion().pose.position.x;
+            seen += (0..tips.len()).map(|spring| backend.pull(spring).x).sum::<f64>();
+        }
+        seen
+    };
+    let clock = Instant::now();
+    let seen: f64 = py.allow_threads(|| threads.install(|| (0..sizes.0).into_par_iter().map(one).sum()));
+    std::hint::black_box(seen);
+    Ok(clock.elapsed().as_secs_f64())
+}
