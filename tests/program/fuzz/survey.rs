@@ -105,6 +105,8 @@ fn input(format: &Format, seed: u64) -> Vec<u8> {
 /// When an input breaks what must hold, with its seed and the smallest form of it.
 pub fn survey(format: &Format, usual: u64) {
     take_note_of_panics();
+    // States that the program has saved are read here, as by itself.
+    cohaul_report::manifest::built_from(option_env!("COHAUL_COMMIT"));
     let (first, count) = (asked("COHAUL_SEED", 1), asked("COHAUL_COUNT", usual));
     let clock = Instant::now();
     for text in &format.texts {

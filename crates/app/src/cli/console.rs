@@ -132,8 +132,7 @@ pub fn error(text: impl Display) {
     say("error: ", Tone::Bad, text);
 }
 
-/// Prints an error, and the command that puts a scenario right of which only the load's outline breaks
-/// rules.
+/// Prints an error, and the command that puts a scenario right if only the load's outline is wrong.
 pub fn fault(fault: &CliError) {
     error(fault);
     let CliError::Scenario(ScenarioError::Invalid { file, findings }) = fault else { return };
