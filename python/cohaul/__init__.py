@@ -25,7 +25,7 @@ from ._conformance import Conformance, conformance
 from ._errors import Fault, InternalError, ScenarioError
 from ._import import Import, import_scenario
 from ._measured import Measured, measured
-from ._native import View
+from ._native import View, __version__
 from ._parts import ants, ground, load, path, spring, tips
 from ._rollouts import Rollouts, rollouts
 from ._run import Event, Run, Trace, run
@@ -52,6 +52,7 @@ __all__ = [
     "Sweep",
     "Trace",
     "View",
+    "__version__",
     "ants",
     "compare",
     "compare_controller",

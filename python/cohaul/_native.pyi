@@ -5,6 +5,8 @@ from typing_extensions import Self
 
 import numpy as np
 
+__version__: str
+
 class Scene:
     name: str
     seed: int

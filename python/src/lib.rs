@@ -72,8 +72,8 @@ mod _native {
     use super::trace::{Column, TraceData};
 
     #[pymodule_init]
-    fn named(_: &super::Bound<'_, super::PyModule>) -> super::PyResult<()> {
+    fn named(module: &super::Bound<'_, super::PyModule>) -> super::PyResult<()> {
         cohaul_report::manifest::built_from(option_env!("COHAUL_COMMIT"));
-        Ok(())
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -221,7 +221,7 @@ def test_gymnasium_steers_pushers() -> None:
 
     import cohaul.gym  # noqa: F401
 
-    env = gymnasium.make("cohaul/Transport-v0", scenario=str(PUSHER), pushers=[0], goal_m=(0.02, 0.0), max_speed_m_per_s=0.05)
+    env = gymnasium.make("cohaul/Transport-v0", scenario=str(PUSHER), pushers=[0], goal_m=(0.02, 0.0), max_speed_m_per_s=0.05, is_normalised=False)
     observation, _ = env.reset(seed=1)
     assert observation.shape == (13,) and observation[7:9].tolist() == [-0.0172, 0.0] and observation[9:11].tolist() == [1.0, 0.0]
     terminated, n_steps = False, 0
