@@ -5,9 +5,11 @@ from __future__ import annotations
 import html
 import math
 import os
+from contextlib import suppress
 from typing import Any, Callable, Mapping, Sequence, Union
 
 from . import _native
+from ._kept import Kept, kept, kept_trace
 from ._options import as_json, number, progress_of, rapier_options, text, texts, whole
 from ._run import Results, Trace
 from ._scenario import Source, as_scenario
@@ -71,7 +73,20 @@ class Comparison(Results):
     """A finished comparison. As a mapping it has what ``cohaul compare --json`` prints."""
 
     _command = "cohaul.compare"
-    _data: _native.Comparison
+    _data: Any
+
+    def _kept(self) -> Kept:
+        if isinstance(self._data, Kept):
+            return self._data
+        found = kept(self._data, ("json",), ("page", self._command), command=self._command)
+        names = [path["engine"]["name"] for path in [*self.tiers.values(), *self.other_engines] if "engine" in path]
+        for tier in self.tiers:
+            with suppress(ValueError):  # A tier of distributions has no paths.
+                found.answers["overview", tier] = self._data.overview(tier)
+            for backend in dict.fromkeys([*BACKENDS, *names]):
+                with suppress(ValueError):  # Not each has all backends.
+                    found.answers["trace", tier, backend] = kept_trace(self._data.trace(tier, backend))
+        return found
 
     @property
     def tiers(self) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import os
 from typing import Any, Callable
 
 from . import _native
+from ._kept import Kept, kept
 from ._options import number, progress_of, whole
 from ._run import Results
 
@@ -15,7 +16,10 @@ class Conformance(Results):
     """A finished conformance table. As a mapping it has what ``cohaul conformance --json`` prints."""
 
     _command = "cohaul.conformance"
-    _data: _native.Conformance
+    _data: Any
+
+    def _kept(self) -> Kept:
+        return kept(self._data, ("json",), ("text", False), ("markdown",), ("page", self._command), command=self._command)
 
     @property
     def text(self) -> str:

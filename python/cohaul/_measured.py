@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
 from . import _native
+from ._kept import Kept, kept
 from ._options import as_json, number, progress_of, texts, whole
 from ._run import Results
 from ._scenario import Source, as_scenario
@@ -16,7 +17,10 @@ class Measured(Results):
     """Measured runs that were compared. As a mapping it has what ``cohaul measured --json`` prints."""
 
     _command = "cohaul.measured"
-    _data: _native.Measured
+    _data: Any
+
+    def _kept(self) -> Kept:
+        return kept(self._data, ("json",), ("text", False), ("page", self._command), command=self._command)
 
     @property
     def text(self) -> str:

@@ -8,6 +8,7 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 
 from . import _native
+from ._kept import Kept
 from ._options import as_json, backend_options, number, progress_of, whole
 from ._scenario import Scenario, Source, as_scenario
 from ._simulation import Simulation
@@ -31,8 +32,8 @@ class Rollouts:
     from there on.
     """
 
-    def __init__(self, data: _native.RolloutData) -> None:
-        self._data = data
+    def __init__(self, data: _native.RolloutData | Kept) -> None:
+        self._data: Any = data
 
     @cached_property
     def poses(self) -> np.ndarray:
@@ -63,6 +64,10 @@ class Rollouts:
     def states(self) -> np.ndarray:
         """States at the end: (rollouts, numbers)."""
         return np.asarray(self._data.column("states"))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        names = ("poses", "twists", "pulls", "contact_forces", "statuses", "states")
+        return Rollouts, (Kept({("column", name): getattr(self, name) for name in names}),)
 
     def __len__(self) -> int:
         return int(self.poses.shape[0])

@@ -10,6 +10,7 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 import numpy as np
 
 from . import _native
+from ._kept import Kept, kept, kept_trace
 from ._options import as_json, backend_options, progress_of, whole
 from ._scenario import Source, as_scenario
 
@@ -63,8 +64,8 @@ class Trace(Table):
 
     __slots__ = ("_data", "_columns")
 
-    def __init__(self, data: _native.TraceData) -> None:
-        self._data = data
+    def __init__(self, data: _native.TraceData | Kept) -> None:
+        self._data: Any = data
         self._columns: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -84,6 +85,9 @@ class Trace(Table):
     def n_rows(self) -> int:
         """Number of rows (1)."""
         return len(self._data)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Trace, (kept_trace(self._data),)
 
     def _flat(self) -> dict[str, np.ndarray]:
         """Columns of one dimension; those of springs are ``pull_x_0_n`` and so on."""
@@ -111,6 +115,13 @@ class Results(Mapping[str, Any]):
     def __init__(self, data: Any) -> None:
         self._data = data
         self._results: dict[str, Any] = json.loads(data.json())
+
+    def _kept(self) -> Kept:
+        """The native part as plain data."""
+        return kept(self._data, ("json",), ("page", self._command))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._kept(),)
 
     @property
     def results(self) -> dict[str, Any]:
@@ -144,13 +155,21 @@ class Run(Results):
     """A finished run. As a mapping it has what ``cohaul run --json`` prints."""
 
     _command = "cohaul.run"
-    _data: _native.RunData
+    _data: Any
 
-    def __init__(self, data: _native.RunData, backend: str) -> None:
+    def __init__(self, data: _native.RunData | Kept, backend: str) -> None:
         super().__init__(data)
         self.backend = backend
         self.trace = Trace(data.trace())
         """Columns over time; empty if no trace was kept."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if isinstance(self._data, Kept):
+            return Run, (self._data, self.backend)
+        pictures = [("overview",)] if self.trace.n_rows else []
+        found = kept(self._data, ("json",), ("page", self._command), *pictures)
+        found.answers["trace",] = kept_trace(self.trace._data)
+        return Run, (found, self.backend)
 
     @property
     def energy(self) -> dict[str, Any]:

@@ -49,6 +49,7 @@ class Simulation(_native.Stepper):
     (True, (11,))
     """
 
+    _options: dict[str, Any]
     scenario: Scenario
     """The scenario, whose load is moved."""
     backend: str
@@ -72,6 +73,7 @@ class Simulation(_native.Stepper):
         made = super().__new__(cls, given._scene, as_json(options))
         made.scenario = given
         made.backend = backend
+        made._options = options
         return made
 
     @property
@@ -124,6 +126,9 @@ class Simulation(_native.Stepper):
         state[1:4], state[4:7] = place, 0.0
         self.set_numbers("pose", state.tobytes())
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.scenario, self.backend, self._options, self.save())
+
     @property
     def energy(self) -> dict[str, float]:
         """Energy ledger so far (J)."""
@@ -136,6 +141,14 @@ class Simulation(_native.Stepper):
 
     def __repr__(self) -> str:
         return f"<Simulation of {self.scenario.name!r} on {self.backend} at {self.time_s:g} s>"
+
+
+def _restored(scenario: Scenario, backend: str, options: dict[str, Any], saved: str) -> Simulation:
+    """A simulation that goes on from a saved state."""
+    made = _native.Stepper.__new__(Simulation, scenario._scene, as_json(options))
+    made.scenario, made.backend, made._options = scenario, backend, options
+    made.load(saved)
+    return made
 
 
 def _bytes(path: str, values: Any) -> bytes:

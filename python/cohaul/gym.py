@@ -187,6 +187,10 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
             self._painter.close()
             self._painter = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        # A window stays where it is.
+        return {**self.__dict__, "_painter": None}
+
     def _start(self, pose: np.ndarray | None) -> None:
         """Puts the load where the episode starts, free of all obstacles."""
         given = np.array(self.simulation.pose)
