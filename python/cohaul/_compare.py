@@ -64,8 +64,8 @@ class Measure:
 
 def _word(path: str, value: Any) -> str:
     found = text(path, value)
-    if not found or len(found) > 60:
-        raise ValueError(f"{path}: must have from 1 to 60 characters, found {len(found or '')}")
+    if not found or len(found) > 60 or not found.isprintable():
+        raise ValueError(f"{path}: must have from 1 to 60 printable characters, found {found!r}")
     return found
 
 

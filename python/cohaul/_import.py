@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from pathlib import Path
-from typing import Any, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from . import _native
-from ._options import as_json, number, text
+from ._options import as_json, number, plain, text, whole
 from ._scenario import Scenario, Source
+
+
+FORMATS = ("table", "deeplabcut", "sleap", "idtracker", "trex", "tracktor", "swistrack")
+"""Programs that write tracks."""
 
 
 class Import:
@@ -90,7 +95,6 @@ def import_scenario(
     >>> found.scenario.drive, found.account["source"]
     ('tips', 'table')
     """
-    marks = [load] if isinstance(load, str) else list(load or [])
     units = {
         "fps": number("fps", fps),
         "scale": number("scale_m", scale_m),
@@ -98,11 +102,20 @@ def import_scenario(
         "degrees": _choice("headings", headings, ("radians", "degrees")),
         "min_confidence": number("min_confidence", min_confidence, positive=False),
         "start": number("start_s", start_s, positive=False),
-        "origin": None if origin_m is None else [number("origin_m", one, positive=False) for one in origin_m],
+        "origin": _origin(origin_m),
     }
+    roles = {
+        "springs": _pairs("spring", spring, lambda path, index: whole(path, index, 0, 10**9)),
+        "load": _marks(load),
+        "obstacles": _pairs("obstacle", obstacle, _word),
+    }
+    if format is not None and format not in FORMATS:
+        raise ValueError(f"format: must be one of {', '.join(FORMATS)}, found {format!r}")
+    if not isinstance(y_up, bool):
+        raise TypeError(f"y_up: must be True or False, found {type(y_up).__name__}")
     asked = {
-        "format": text("format", format),
-        "name": text("name", name),
+        "format": format,
+        "name": _word("name", name),
         "duration_s": number("duration_s", duration_s),
         "units": units,
         "bounds": {
@@ -110,13 +123,13 @@ def import_scenario(
             "jump": number("max_jump_m", max_jump_m),
             "smooth": number("smooth_m", smooth_m),
         },
-        "roles": {"springs": list((spring or {}).items()), "load": marks, "obstacles": list((obstacle or {}).items())},
+        "roles": roles,
         "tolerance_m": number("tolerance_m", tolerance_m),
-        "body": text("body", body),
-        "y_up": bool(y_up),
-        "onto": text("onto", onto),
+        "body": _word("body", body),
+        "y_up": y_up,
+        "onto": _word("onto", onto),
     }
-    return Import(_native.import_scenario(_contents(files), None if like is None else _like(like), as_json(asked)))
+    return Import(_native.import_scenario(_contents(files), None if like is None else _scene("like", like), as_json(asked)))
 
 
 def _choice(path: str, value: str | None, words: tuple[str, str]) -> bool | None:
@@ -126,18 +139,73 @@ def _choice(path: str, value: str | None, words: tuple[str, str]) -> bool | None
     return None if value is None else value == words[1]
 
 
+def _word(path: str, value: Any) -> str | None:
+    """Text that can be written, or ``None`` as it is."""
+    found = text(path, value)
+    if found is not None and any("\ud800" <= letter <= "\udfff" for letter in found):
+        raise ValueError(f"{path}: must be text in Unicode, found {found!r}")
+    return found
+
+
+def _pairs(path: str, given: Any, of: Callable[[str, Any], Any]) -> list[tuple[str, Any]]:
+    """Names of tracks with what each is."""
+    if given is None:
+        return []
+    if not isinstance(given, Mapping):
+        raise TypeError(f"{path}: must be a dict by the names of tracks, found {type(given).__name__}")
+    found = []
+    for track, value in given.items():
+        if _word(f"{path}: name of a track", track) is None or value is None:
+            raise TypeError(f"{path}: must have a name and a value for each track, found {track!r}: {value!r}")
+        found.append((track, of(f"{path}[{track!r}]", value)))
+    return found
+
+
+def _marks(load: Any) -> list[str]:
+    marks = [] if load is None else [load] if isinstance(load, (str, bytes)) else load
+    if not isinstance(marks, (list, tuple)) or not all(isinstance(mark, str) for mark in marks):
+        raise TypeError(f"load: must be the name of a track, or two of them, found {load!r}")
+    return [_word("load", mark) or "" for mark in marks]
+
+
+def _origin(origin: Any) -> list[float] | None:
+    if origin is None:
+        return None
+    try:
+        found = [float(one) for one in origin]
+    except (TypeError, ValueError, OverflowError):
+        found = []
+    if len(found) != 2 or not all(math.isfinite(one) for one in found):
+        raise ValueError(f"origin_m: must be two finite numbers (x, y), found {origin!r}")
+    return found
+
+
 def _contents(files: Any) -> list[tuple[str, bytes]]:
     """Name and content of each file."""
     if hasattr(files, "to_csv"):
         return [("data frame", files.to_csv(index=False).encode())]
-    paths = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    return [(os.fspath(path), Path(path).read_bytes()) for path in paths]
+    if hasattr(files, "write_csv"):
+        return [("data frame", files.write_csv().encode())]
+    if isinstance(files, (Scenario, Mapping)):
+        return [_scene("files", files)]
+    if not isinstance(files, (str, os.PathLike, list, tuple)):
+        raise TypeError(f"files: must be a path, a list of paths or a data frame, found {type(files).__name__}")
+    paths = [files] if isinstance(files, (str, os.PathLike)) else files
+    if not paths:
+        raise ValueError("files: must be at least one file, found none")
+    return [_file("files", path) for path in paths]
 
 
-def _like(source: Source) -> tuple[str, bytes]:
+def _file(argument: str, path: Any) -> tuple[str, bytes]:
+    if not isinstance(path, (str, os.PathLike)) or os.fspath(path) in ("", b""):
+        raise TypeError(f"{argument}: must be a path, found {path!r}")
+    return os.fspath(path), Path(path).read_bytes()
+
+
+def _scene(argument: str, source: Any) -> tuple[str, bytes]:
     """A scenario as text, which may break rules where a drawing replaces an outline."""
     if isinstance(source, Mapping):
-        return "like", as_json(dict(source)).encode()
+        return argument, as_json(plain(dict(source), argument)).encode()
     if isinstance(source, Scenario):
         return source.name, as_json(source.to_dict()).encode()
-    return os.fspath(source), Path(source).read_bytes()
+    return _file(argument, source)

@@ -20,7 +20,10 @@ def number(path: str, value: Any, *, positive: bool = True) -> float | None:
         return None
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(f"{path}: must be a number, found {type(value).__name__}")
-    found = float(value)
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
     if not math.isfinite(found) or (positive and found <= 0.0):
         rule = "must be a positive finite number" if positive else "must be a finite number"
         raise ValueError(f"{path}: {rule}, found {found}")

@@ -1,6 +1,7 @@
 """Scenarios from recordings and drawings, from Python as from the program."""
 
 import json
+import re
 import subprocess
 
 import pytest
@@ -64,8 +65,23 @@ def test_tracks_and_frames_are_imported_again():
         ({"spring": {"two": 0}}, ValueError, "spring: must name a track of the recording"),
         ({"y": "left"}, ValueError, "y: must be 'up' or 'down', found 'left'"),
         ({"fps": -1}, ValueError, "fps: must be a positive finite number"),
-        ({"format": "avi"}, ValueError, "avi"),
-        ({"spring": {"1": -1}}, ValueError, "-1"),
+        ({"format": "avi"}, ValueError, "format: must be one of table, deeplabcut"),
+        ({"spring": {"1": -1}}, ValueError, "spring['1']: must be from 0 to 1000000000, found -1"),
+        ({"spring": ["1"]}, TypeError, "spring: must be a dict by the names of tracks, found list"),
+        ({"spring": {"1": "0"}}, TypeError, "spring['1']: must be a whole number, found str"),
+        ({"obstacle": {"blue": 2}}, TypeError, "obstacle['blue']: must be text, found int"),
+        ({"load": b"crate"}, TypeError, "load: must be the name of a track, or two of them"),
+        ({"load": 5}, TypeError, "load: must be the name of a track, or two of them, found 5"),
+        ({"origin_m": (0,)}, ValueError, "origin_m: must be two finite numbers (x, y), found (0,)"),
+        ({"origin_m": 5}, ValueError, "origin_m: must be two finite numbers (x, y), found 5"),
+        ({"name": "\ud800"}, ValueError, "name: must be text in Unicode"),
+        ({"fps": 10**400}, ValueError, "fps: must be a positive finite number, found inf"),
+        ({"y_up": "no"}, TypeError, "y_up: must be True or False, found str"),
+        ({"min_confidence": 25}, ValueError, "min_confidence: must be from 0 to 1, found 25"),
+        ({"body": "x"}, ValueError, "body: is for drawings, found a recording"),
+        ({"files": SAMPLES / "t-block.svg"}, ValueError, "fps: is for recordings, found a drawing"),
+        ({"files": None}, TypeError, "files: must be a path, a list of paths or a data frame, found NoneType"),
+        ({"files": ""}, TypeError, "files: must be a path, found ''"),
         ({"duration_s": "long"}, TypeError, "duration_s: must be a number"),
         ({"files": SAMPLES / "none.csv"}, OSError, "none.csv"),
         ({"files": []}, ValueError, "must be at least one file"),
@@ -73,5 +89,20 @@ def test_tracks_and_frames_are_imported_again():
 )
 def test_wrong_arguments_are_refused(options, error, rule):
     options = {"files": SAMPLES / "table.csv", "like": ANTS, "fps": 50, **options}
-    with pytest.raises(error, match=rule.replace("(", r"\(")):
+    with pytest.raises(error, match=re.escape(rule)):
         cohaul.import_scenario(options.pop("files"), options.pop("like"), **options)
+
+
+def test_frames_of_polars_dicts_and_numbers_of_numpy_are_taken():
+    import numpy as np
+
+    polars = pytest.importorskip("polars")
+    found = cohaul.import_scenario(SAMPLES / "table.csv", ANTS, fps=50)
+    frame = polars.read_csv(found.tracks_csv.encode())
+    again = cohaul.import_scenario(frame, ANTS, spring={"0": np.int64(0), "1": np.int32(1)})
+    assert again.scenario.to_dict()["drive"] == found.scenario.to_dict()["drive"]
+    ring = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.1], [0.0, 0.1], [0.0, 0.0]]
+    scene = {**json.loads((SAMPLES / "doorway.json").read_text()), "springs": [], "drive": {"kind": "tips", "paths": []}}
+    scene["load"] = {"mass_kg": 1.0, "outline": {"polygon": {"points_m": ring}}}
+    scene["obstacles"] = []
+    assert cohaul.import_scenario(scene).account["notes"][-1]["kind"] == "moved"

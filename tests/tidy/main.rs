@@ -42,7 +42,7 @@ const BUDGETS: [(&str, usize); 7] = [
     ("crates/studies/src", 24_170),
     ("crates/paper/src", 11_200),
     // The readers of twelve formats and of what is wrong with them.
-    ("crates/recordings/src", 3_790),
+    ("crates/recordings/src", 3_890),
     ("crates/app/src", 8_260),
 ];
 

@@ -54,6 +54,7 @@ pub struct Import {
 pub fn import(files: &[Reading], like: Option<Reading>, asked: &Asked) -> Result<Import, ScenarioError> {
     let Some(first) = files.first() else { return Err(fault("", "FILE", "must be at least one file", "none")) };
     let drawing = DrawingFormat::of(first.file, first.bytes).filter(|_| asked.format.is_none());
+    check(asked, first.file, drawing.is_some())?;
     let mut account = Account::default();
     let (made, tracks, tips) = match (like, drawing) {
         (None, None) if first.bytes.trim_ascii_start().starts_with(b"{") => {
@@ -80,6 +81,40 @@ pub fn import(files: &[Reading], like: Option<Reading>, asked: &Asked) -> Result
     let name = asked.name.clone().unwrap_or(made.name.clone());
     let made = Scenario { name, duration: asked.duration_s.unwrap_or(made.duration), ..made };
     Ok(Import { scenario: made.expanded().checked(first.file)?, account, tracks, tips })
+}
+
+/// Checks what no reader checks: a confidence, and options of the other kind of file.
+fn check(asked: &Asked, file: &str, is_drawing: bool) -> Result<(), ScenarioError> {
+    let mut findings = Findings::default();
+    if let Some(confidence) = asked.units.min_confidence.filter(|confidence| !(0.0..=1.0).contains(confidence)) {
+        findings.report("--min-confidence", "must be from 0 to 1", confidence);
+    }
+    let Asked { units, bounds, roles, .. } = asked;
+    let of_drawings = [
+        ("--tolerance-m", asked.tolerance_m.is_some()),
+        ("--body", asked.body.is_some()),
+        ("--y-up", asked.y_up),
+        ("--onto", asked.onto.is_some()),
+    ];
+    let of_tracks = [
+        ("--fps", units.fps.is_some()),
+        ("--y", units.y_down.is_some()),
+        ("--headings", units.degrees.is_some()),
+        ("--start-s", units.start.is_some()),
+        ("--origin-m", units.origin.is_some()),
+        ("--bridge-s", bounds.bridge.is_some()),
+        ("--max-jump-m", bounds.jump.is_some()),
+        ("--smooth-m", bounds.smooth.is_some()),
+        ("--spring", !roles.springs.is_empty()),
+        ("--load", !roles.load.is_empty()),
+        ("--obstacle", !roles.obstacles.is_empty()),
+    ];
+    let (others, rule, found) = match is_drawing {
+        true => (&of_tracks[..], "is for recordings", "a drawing"),
+        false => (&of_drawings[..], "is for drawings", "a recording"),
+    };
+    others.iter().filter(|(_, is_given)| *is_given).for_each(|(option, _)| findings.report(option, rule, found));
+    if findings.0.is_empty() { Ok(()) } else { Err(ScenarioError::Invalid { file: file.to_owned(), findings: findings.0 }) }
 }
 
 fn fault(file: &str, path: &str, rule: &str, found: impl std::fmt::Display) -> ScenarioError {

@@ -6,6 +6,7 @@
 //! tracks/     readers of tables and of trackers' files, all into one value
 //! repair/     swapped ids, jumps, gaps, smoothing
 //! scene.rs    tracks as tips, load and obstacles of a scenario
+//! obstacles.rs  paths of recorded obstacles
 //! drawings/   outlines of drawings
 //! import.rs   from files to a checked scenario
 //! ```
@@ -14,6 +15,7 @@
 pub mod account;
 pub mod drawings;
 pub mod import;
+mod obstacles;
 pub mod repair;
 pub mod scene;
 pub mod tracks;

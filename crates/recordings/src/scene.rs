@@ -3,11 +3,12 @@
 use std::fmt::Display;
 
 use cohaul::math::{Pose, Vec2};
-use cohaul::model::{Motion, ObstaclePath};
+use cohaul::model::Motion;
 use cohaul::scenario::{Drive, Findings, Scenario, ScenarioError, TipPath, Waypoint, nearest};
 use serde::Deserialize;
 
 use crate::account::{Account, Kind, Note};
+use crate::obstacles::{self, with_headings};
 use crate::repair::{Attachment, Bounds, Limits, attachments, leave_out_jumps, note_noise, smooth, smooth_headings, undo_swaps};
 use crate::tracks::{Sample, Track, Tracks};
 
@@ -69,13 +70,19 @@ pub fn scenario(
     tracks.tracks = tips.into_iter().map(|(spring, track)| Track { id: spring.to_string(), ..track }).collect();
     tracks.are_springs = true;
 
+    // What moves obstacles is put right as tips are.
+    let n_tips = tracks.tracks.len();
+    let (indices_of_obstacles, paths): (Vec<usize>, Vec<Track>) = moved.into_iter().unzip();
+    let named = |(obstacle, track): (&usize, Track)| Track { id: like.system.world.obstacles[*obstacle].name.clone(), ..track };
+    tracks.tracks.extend(indices_of_obstacles.iter().zip(paths).map(named));
     let limits = Limits::of(&tracks, like.system.load.radius, bounds);
     undo_swaps(&mut tracks, &limits, account);
     leave_out_jumps(&mut tracks, &limits, account);
+    let paths = tracks.tracks.split_off(n_tips);
     let mut found = attachments(&tracks.tracks, &tracks.frames, &limits, account);
+    note_unseen(&found, &tracks, account);
     // Noise of a path that pushes the load matters as that of a tip does.
-    let n_tips = found.len();
-    found.extend(moved.iter().map(|(_, track)| vec![Attachment { places: track.samples.clone(), release: None }]));
+    found.extend(paths.into_iter().map(|track| vec![Attachment { places: track.samples, release: None }]));
     note_noise(&found, account);
     if let Some(bound) = bounds.smooth {
         smooth(&mut found, bound, account);
@@ -87,15 +94,24 @@ pub fn scenario(
     made.duration = if is_same { like.duration } else { end };
     made.start = start(tracks.load.as_ref(), like, &limits, account);
     made.drive = Drive::Tips(indices.iter().zip(&found).flat_map(|(spring, found)| found.iter().map(|one| path(*spring, one))).collect());
-    for ((index, _), mut path) in moved.iter().zip(paths_of_obstacles) {
-        let samples = &mut path[0].places;
+    for (index, mut path) in indices_of_obstacles.into_iter().zip(paths_of_obstacles) {
+        let (samples, obstacle) = (&mut path[0].places, &mut made.system.world.obstacles[index]);
+        with_headings(&obstacle.name, samples, obstacle.path.pose_at(0.0).heading, account);
         if let Some(bound) = bounds.smooth {
-            smooth_headings(samples, made.system.world.obstacles[*index].outline.extent(), bound);
+            smooth_headings(samples, obstacle.outline.extent(), bound);
         }
-        move_obstacle(&mut made, *index, samples, &limits, account);
+        obstacle.path = obstacles::path(&obstacle.name, samples, &tracks.frames, &limits, account);
     }
     let scenario = made.expanded().checked(file)?;
     Ok(Imported { scenario, tips: tracks })
+}
+
+/// Notes springs without a place of their tip.
+fn note_unseen(found: &[Vec<Attachment>], tracks: &Tracks, account: &mut Account) {
+    let pairs = found.iter().zip(&tracks.tracks);
+    let never: Vec<&str> = pairs.filter(|(found, _)| found.is_empty()).map(|(_, track)| track.id.as_str()).collect();
+    let text = format!("springs whose tip is never seen: {}", never.join(", "));
+    account.add(Note::new(Kind::LeftOut, never.len(), text).warning());
 }
 
 /// Broken rules about roles.
@@ -162,6 +178,9 @@ fn take_obstacles(tracks: &mut Tracks, roles: &[(String, String)], like: &Scenar
         if index.is_none() {
             let known: Vec<&str> = obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect();
             faults.report("--obstacle", format!("must name an obstacle of the scenario, {}", known.join(", ")), name);
+        }
+        if found.iter().any(|(other, _)| Some(*other) == index) {
+            faults.report("--obstacle", "must give each obstacle once", name);
         }
         let track = faults.take(tracks, "--obstacle", id);
         if track.as_ref().is_some_and(|track| track.samples.is_empty()) {
@@ -238,21 +257,4 @@ fn add(waypoints: &mut Vec<Waypoint>, point: Waypoint) {
         [.., before, last] if before.position == point.position && last.position == point.position => last.time = point.time,
         _ => waypoints.push(point),
     }
-}
-
-/// Moves an obstacle along a track. Without headings it keeps that of its first pose.
-fn move_obstacle(made: &mut Scenario, index: usize, samples: &[Sample], limits: &Limits, account: &mut Account) {
-    let obstacle = &mut made.system.world.obstacles[index];
-    let heading = obstacle.path.pose_at(0.0).heading;
-    let gaps: Vec<(String, f64)> = samples
-        .windows(2)
-        .filter(|pair| limits.is_gap(pair[0].time, pair[1].time))
-        .map(|pair| (obstacle.name.clone(), pair[0].time))
-        .collect();
-    let longest = samples.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max);
-    let text = "gaps in the path of an obstacle, bridged by a straight line";
-    let note = Note::new(Kind::Bridged, gaps.len(), text).sized(Some(longest), None, "s").at(gaps);
-    account.add(if longest > limits.bridge { note.warning() } else { note });
-    let pose = |sample: &Sample| Pose { position: sample.position, heading: sample.heading.unwrap_or(heading) };
-    obstacle.path = ObstaclePath { waypoints: samples.iter().map(|sample| (sample.time, pose(sample))).collect() };
 }

@@ -5,6 +5,7 @@
 //! losses.rs    lost rows, jitter and swapped names on scenes: no invented release, the same verdict
 //! reports.rs   files as other people have sent them
 //! drawings.rs  outlines against their closed forms, and what is named as not read
+//! obstacles.rs  what moves obstacles: lost, swapped, far off, turned, noisy
 //! robots.rs    three robots in a doorway: the recording that ships, and its verdict
 //! program.rs   the command: faults, files, exit codes
 //! ```
@@ -14,6 +15,7 @@ mod drawings;
 #[allow(dead_code, reason = "other tests use more of it")]
 mod draws;
 mod losses;
+mod obstacles;
 mod program;
 mod reports;
 mod robots;

@@ -135,30 +135,33 @@ const ROUNDING: f64 = 1e-12;
 const LOUD: f64 = 0.1;
 
 /// Notes the noise of the places from frame to frame, per axis (m), as the median of third
-/// differences gives it: motions that last for several frames hardly count.
+/// differences gives it: motions that last for several frames hardly count. The track and the axis
+/// with the largest noise decide.
 pub fn note_noise(all: &[Vec<Attachment>], account: &mut Account) {
-    let (mut thirds, mut steps) = (Vec::new(), Vec::new());
-    for attachment in all.iter().flatten() {
-        for four in attachment.places.windows(4) {
+    let (mut largest, mut n_places, mut is_loud) = (0.0, 0, false);
+    for track in all {
+        let (mut thirds, mut steps) = ([Vec::new(), Vec::new()], Vec::new());
+        for four in track.iter().flat_map(|attachment| attachment.places.windows(4)) {
             let [a, b, c, d] = [0, 1, 2, 3].map(|at| four[at].position);
             let third: Vec2 = d - 3.0 * c + 3.0 * b - a;
-            thirds.extend([third.x.abs(), third.y.abs()]);
+            thirds.iter_mut().zip([third.x, third.y]).for_each(|(thirds, third)| thirds.push(third.abs()));
             steps.push((d - a).norm() / 3.0);
         }
+        let noise = thirds.iter_mut().map(|thirds| median(thirds)).fold(0.0, f64::max) / (MEDIAN_OF_NORMAL * THIRD_DIFFERENCE);
+        largest = f64::max(largest, noise);
+        n_places += steps.len();
+        // A step has the noise of two places.
+        is_loud |= noise > ROUNDING && noise * std::f64::consts::SQRT_2 > LOUD * median(&mut steps);
     }
-    let median = |values: &mut Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    let (noise, step) = (median(&mut thirds) / (MEDIAN_OF_NORMAL * THIRD_DIFFERENCE), median(&mut steps));
-    let note = |text: &str| Note::new(Kind::Noise, thirds.len() / 2, text).sized(Some(noise), None, "m");
-    // A step has the noise of two places.
-    if noise <= ROUNDING {
-        return;
-    }
-    if noise * std::f64::consts::SQRT_2 > LOUD * step {
-        account.add(note("places with noise that is large beside their steps: a verdict about inertia is open, unless it is the same at half and at twice --smooth-m").warning());
-    } else {
+    let note = |text: &str| Note::new(Kind::Noise, n_places, text).sized(Some(largest), None, "m");
+    if is_loud {
+        account.add(note("places with noise that is large beside the steps of a track: a verdict about inertia is open, unless it is the same at half and at twice --smooth-m").warning());
+    } else if largest > ROUNDING {
         account.add(note("places with noise from frame to frame"));
     }
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
