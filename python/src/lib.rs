@@ -73,6 +73,8 @@ mod _native {
 
     #[pymodule_init]
     fn named(module: &super::Bound<'_, super::PyModule>) -> super::PyResult<()> {
+        use pyo3::types::PyModuleMethods;
+
         cohaul_report::manifest::built_from(option_env!("COHAUL_COMMIT"));
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
