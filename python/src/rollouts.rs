@@ -237,11 +237,14 @@ fn all(
     Ok(RolloutData { sizes, shown })
 }
 
+/// Numbers of one rollout.
+type Of = fn(&Shown) -> &Vec<f64>;
+
 #[pymethods]
 impl RolloutData {
     fn column(&self, py: Python, name: &str) -> PyResult<Column> {
         let Sizes { n_rollouts, n_periods, n_springs, n_obstacles, n_numbers } = self.sizes;
-        let (of, shape): (fn(&Shown) -> &Vec<f64>, Vec<usize>) = match name {
+        let (of, shape): (Of, Vec<usize>) = match name {
             "poses" => (|shown| &shown.poses, vec![n_rollouts, n_periods + 1, 3]),
             "twists" => (|shown| &shown.twists, vec![n_rollouts, n_periods + 1, 3]),
             "pulls" => (|shown| &shown.pulls, vec![n_rollouts, n_periods, n_springs, 2]),
