@@ -78,7 +78,7 @@ def _page(cards: dict[str, Any], manifest: dict[str, Any], scenes: list[str], ti
     yield ""
     yield _text(
         "MuJoCo has no coefficient of restitution; its users get a rebound from an underdamped `solref`, which depends on the masses. "
-        "Reasons of refusals are those of the adapters."
+        "The adapter of Drake takes obstacles since these cards were made."
     )
     yield from ["", "## Path errors", ""]
     yield _text(
