@@ -22,6 +22,7 @@ pub enum Health {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
+    Squeezed,
     NoSolution,
     ToleranceMissed,
     BoundNotKnown,

@@ -41,7 +41,17 @@ const LEAST_PATH: f64 = 0.01;
 ///
 /// The limits for inertia and the engine are set on the maps of `cohaul stress`: few runs beyond
 /// them are right within a tenth of their path, and few others are wrong.
-pub const RULES: [Rule; 14] = [
+pub const RULES: [Rule; 15] = [
+    Rule {
+        cause: Cause::Squeezed,
+        measure: "number of obstacles",
+        unit: "",
+        doubtful: 0.0,
+        failed: 0.0,
+        means: "no step keeps the load out of the obstacles that press on it, and the run ended there",
+        cure: "look at the scene at that time: an obstacle with a path gives way to nothing",
+        get: |facts| facts.outcome.transitions.n_squeezes as f64,
+    },
     Rule {
         cause: Cause::NoSolution,
         measure: "",
@@ -50,7 +60,7 @@ pub const RULES: [Rule; 14] = [
         failed: 0.0,
         means: "a step had no finite solution, and the run ended there",
         cure: "use a shorter step, and look at the scene at that time",
-        get: |facts| f64::from(u8::from(facts.outcome.steps.status == Status::Failed)),
+        get: |facts| f64::from(u8::from(facts.outcome.steps.status == Status::Failed && facts.outcome.transitions.n_squeezes == 0)),
     },
     Rule {
         cause: Cause::ToleranceMissed,
@@ -195,7 +205,7 @@ impl Rule {
         };
         let doubtful = &facts.outcome.doubtful;
         let since_s = match self.cause {
-            Cause::NoSolution => facts.outcome.failed_at,
+            Cause::Squeezed | Cause::NoSolution => facts.outcome.failed_at,
             Cause::BoundNotKnown | Cause::NotSolved | Cause::EngineNotSolved => doubtful.not_converged_s,
             Cause::Overlap => doubtful.overlap_s,
             Cause::NotUnique => doubtful.not_unique_s,

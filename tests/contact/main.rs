@@ -12,4 +12,5 @@ mod quasi_static;
 mod random;
 mod random_scene;
 mod scenes;
+mod squeezed;
 mod steered;

@@ -178,7 +178,8 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
             | TransitionKind::Separation { obstacle }
             | TransitionKind::SideStick { obstacle }
             | TransitionKind::SideSlip { obstacle }
-            | TransitionKind::NotUnique { obstacle } => {
+            | TransitionKind::NotUnique { obstacle }
+            | TransitionKind::Squeeze { obstacle } => {
                 lines.nothing(4);
                 lines.count(*obstacle);
                 lines.nothing(1);

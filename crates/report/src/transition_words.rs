@@ -31,6 +31,7 @@ pub fn in_words(kind: &TransitionKind, world: &World) -> String {
         TransitionKind::SideSlip { .. } => format!("begins to slide along {name}"),
         TransitionKind::Impact { energy, law, .. } => hit(name, *energy, *law),
         TransitionKind::NotUnique { .. } => format!("may move otherwise from here on at {name}: the motion is not unique"),
+        TransitionKind::Squeeze { .. } => format!("is pressed into {name}: no step keeps it out"),
         TransitionKind::Jump { shift, .. } => format!("jump of {}", short_quantity(*shift, "m")),
     }
 }
@@ -64,6 +65,7 @@ mod tests {
         let post = Obstacle { name: "left post".into(), outline: Outline::disc(0.005), friction_coefficient: 0.0, restitution: 0.0, path };
         let world = World { outline: Outline::disc(0.0122), obstacles: vec![post] };
         assert_eq!(in_words(&TransitionKind::Touch { obstacle: 0 }, &world), "touches left post");
+        assert_eq!(in_words(&TransitionKind::Squeeze { obstacle: 0 }, &world), "is pressed into left post: no step keeps it out");
         let hit = |law| in_words(&TransitionKind::Impact { obstacle: 0, energy: 7.17e-5, law }, &world);
         assert_eq!(hit(ImpactLaw::Newton), "hits left post and loses 71.7 µJ");
         assert_eq!(hit(ImpactLaw::Poisson), "hits left post and loses 71.7 µJ by Poisson's law");

@@ -105,7 +105,8 @@ fn of_transition(transition: &Transition) -> Trigger {
         | TransitionKind::SideStick { obstacle }
         | TransitionKind::SideSlip { obstacle }
         | TransitionKind::Impact { obstacle, .. }
-        | TransitionKind::NotUnique { obstacle } => Trigger { obstacle: Some(obstacle), ..trigger(TriggerKind::Contact) },
+        | TransitionKind::NotUnique { obstacle }
+        | TransitionKind::Squeeze { obstacle } => Trigger { obstacle: Some(obstacle), ..trigger(TriggerKind::Contact) },
         TransitionKind::Jump { .. } => trigger(TriggerKind::Jump),
     }
 }

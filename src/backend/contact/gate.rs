@@ -121,6 +121,12 @@ impl Gate {
         let least = pairs.map(|(piece, load)| piece.separation(load, at, -allowed)).fold(0.0, f64::min);
         if least < -allowed { -least } else { 0.0 }
     }
+
+    /// Whether the load at a place seen from an obstacle is nearer to it than `distance` (m).
+    pub fn is_within(&self, obstacle: usize, at: &Place, distance: f64) -> bool {
+        let is_near = |piece: &Piece| self.load.pieces.iter().any(|load| piece.separation(load, at, distance) < distance);
+        self.obstacles[obstacle].pieces.iter().any(is_near)
+    }
 }
 
 #[cfg(test)]

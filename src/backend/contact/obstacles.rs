@@ -14,7 +14,7 @@ use super::surroundings::{Pair, Surroundings};
 use super::touching::Touching;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Increment, Step, minimise_step};
-use crate::backend::numerics::{ALIKE, KEPT_GAP, MOST_CLOSINGS, SOFTER};
+use crate::backend::numerics::{ALIKE, KEPT_GAP, MOST_CLOSINGS, SOFTER, SQUEEZED};
 use crate::backend::springs::{Place, Travel};
 use crate::math::{Arc, Pose, Vec3, rotation};
 use crate::model::{ObstaclePath, System};
@@ -181,6 +181,16 @@ impl Obstacles {
             self.gate.depth(*index, &seen)
         };
         self.surroundings.near(system, at, time).iter().map(of_obstacle).fold(0.0, f64::max)
+    }
+
+    /// Obstacles so near to the load at `time` (s) that they may squeeze it.
+    pub fn next_to(&mut self, system: &System, at: &Place, time: f64) -> Vec<usize> {
+        let near = 2.0 * SQUEEZED * system.load.radius;
+        let is_next_to = |index: &usize| {
+            let seen = Surroundings::relative(at, &system.world.obstacles[*index].path.pose_at(time));
+            self.gate.is_within(*index, &seen, near)
+        };
+        (0..system.world.obstacles.len()).filter(is_next_to).collect()
     }
 
     /// Longest path of a point of an obstacle between two times (s), in metres.

@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 use super::load::{Exact, Method, Snapshot, State};
 use super::side::{Impact, SideState};
 use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, SideMode, Strike, Touching, transitions};
-use crate::backend::numerics::{LONGEST_CUT, PULL_ERROR, REVERSED_SLIP, SHORTEST_CUT};
+use crate::backend::numerics::{LONGEST_CUT, PULL_ERROR, REVERSED_SLIP, SHORTEST_CUT, SQUEEZED};
 use crate::backend::report::{Doubts, Motion, SideContact, Status, StepReport, Transition, TransitionKind};
 use crate::backend::springs::{Place, TipPaths};
 use crate::math::Twist;
@@ -56,13 +56,28 @@ impl<M: Method> Exact<M> {
         obstacles.as_mut().map_or(0.0, |obstacles| obstacles.depth(system, &place, state.side.now))
     }
 
-    /// Marks a step that ends inside an obstacle as one that has not converged.
-    pub(super) fn pass_gate(&mut self, report: &mut StepReport) {
+    /// Marks a step that ends inside an obstacle at `time` (s) as one that has not converged, and as
+    /// failed where no step keeps the load out. A step that is given up may end anywhere.
+    pub(super) fn pass_gate(&mut self, report: &mut StepReport, time: f64, is_given_up: bool) {
         let overlap_m = self.depth_inside();
         if overlap_m > 0.0 {
             let doubts = Doubts { overlap_m, ..Doubts::default() };
-            report.add(&StepReport { status: Status::NotConverged, n_not_converged: 1, doubts, ..StepReport::default() });
+            let is_deep = !is_given_up && overlap_m > SQUEEZED * self.system.load.radius;
+            let is_squeezed = report.status == Status::Failed || report.status != Status::Converged && is_deep;
+            let status = if is_squeezed { Status::Failed } else { Status::NotConverged };
+            report.add(&StepReport { status, n_not_converged: 1, doubts, ..StepReport::default() });
+            if is_squeezed {
+                self.note_squeeze(time);
+            }
         }
+    }
+
+    /// Records which obstacles squeeze the load: all those next to it.
+    fn note_squeeze(&mut self, time: f64) {
+        let Self { obstacles, system, state, .. } = self;
+        let next_to = |obstacles: &mut Obstacles| obstacles.next_to(system, &Place::of(&state.motion.pose), state.side.now);
+        let squeezing = obstacles.as_mut().map(next_to).unwrap_or_default();
+        self.transitions.extend(squeezing.into_iter().map(|obstacle| Transition { time, kind: TransitionKind::Squeeze { obstacle } }));
     }
 
     /// Records a motion that is not unique since `time` (s), if steps since then report it.

@@ -66,7 +66,7 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
                     now.shortest *= FORCED_GROWTH;
                     now.had_answers &= is_solved;
                 }
-                note_taken(load, (&start, has_jumped), before.doubts.n_not_unique, to * duration, &mut report);
+                note_taken(load, (&start, has_jumped, effort.is_given_up), before.doubts.n_not_unique, to * duration, &mut report);
                 now.take(to, if is_favoured { growth.max(2.0) } else { growth });
             }
             Attempt::NoBalance => {
@@ -89,11 +89,11 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
     report
 }
 
-/// Records what has happened in a macro-step since the `start` of it, and whether the load is known
-/// to have jumped. It ends at `time` (s).
+/// Records what has happened in a macro-step since the `start` of it, whether the load is known to
+/// have jumped and whether the rest of the advance is given up. It ends at `time` (s).
 fn note_taken<M: Method>(
     load: &mut Exact<M>,
-    (start, has_jumped): (&Snapshot<M::Memory>, bool),
+    (start, has_jumped, is_given_up): (&Snapshot<M::Memory>, bool, bool),
     n_not_unique: u64,
     time: f64,
     report: &mut StepReport,
@@ -103,8 +103,8 @@ fn note_taken<M: Method>(
     load.transitions.extend(kinds.map(|kind| Transition { time, kind }));
     if load.obstacles.is_some() {
         load.note_not_unique(n_not_unique, report, time);
-        load.pass_gate(report);
         load.note_contacts(&start.state.side.touching, time);
+        load.pass_gate(report, time, is_given_up);
     }
 }
 

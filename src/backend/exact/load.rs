@@ -234,7 +234,7 @@ impl<M: Method> Exact<M> {
                 self.note_not_unique(n_not_unique, report, time);
                 self.note_contacts(&touching, time);
                 if !is_free {
-                    self.pass_gate(report);
+                    self.pass_gate(report, time, false);
                 }
             }
             if report.status == Status::Failed {

@@ -43,6 +43,8 @@ pub enum TransitionKind {
     },
     /// Another motion is admissible from here: the motion is not unique.
     NotUnique { obstacle: usize },
+    /// No step keeps the load out of obstacles that press on it, of which this is one.
+    Squeeze { obstacle: usize },
     /// A load without inertia moves by a finite displacement in no time.
     Jump {
         /// Shift of the load's origin (m).
@@ -93,6 +95,8 @@ pub struct TransitionCounts {
     pub n_impacts: u64,
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_not_unique: u64,
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_squeezes: u64,
     /// Impacts for which Newton's law gained energy or had no answer.
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_impacts_by_poisson: u64,
@@ -136,6 +140,7 @@ impl TransitionCounts {
             TransitionKind::SideStick { .. } => self.n_side_stick += 1,
             TransitionKind::SideSlip { .. } => self.n_side_slip += 1,
             TransitionKind::NotUnique { .. } => self.n_not_unique += 1,
+            TransitionKind::Squeeze { .. } => self.n_squeezes += 1,
             TransitionKind::Impact { law, .. } => {
                 self.n_impacts += 1;
                 self.n_impacts_by_poisson += u64::from(*law == ImpactLaw::Poisson);
@@ -159,7 +164,8 @@ impl TransitionKind {
             | TransitionKind::SideStick { obstacle }
             | TransitionKind::SideSlip { obstacle }
             | TransitionKind::Impact { obstacle, .. }
-            | TransitionKind::NotUnique { obstacle } => Some(*obstacle),
+            | TransitionKind::NotUnique { obstacle }
+            | TransitionKind::Squeeze { obstacle } => Some(*obstacle),
             _ => None,
         }
     }
@@ -177,6 +183,7 @@ impl TransitionKind {
             TransitionKind::SideSlip { .. } => "side_slip",
             TransitionKind::Impact { .. } => "impact",
             TransitionKind::NotUnique { .. } => "not_unique",
+            TransitionKind::Squeeze { .. } => "squeeze",
             TransitionKind::Jump { .. } => "jump",
         }
     }

@@ -44,7 +44,8 @@ fn losses(energy: &EnergyLedger) -> String {
 /// Number of transitions at obstacles, with those that are not kept.
 fn n_transitions(run: &Run) -> u64 {
     let counts = &run.outcome.transitions;
-    counts.n_touch + counts.n_separation + counts.n_side_stick + counts.n_side_slip + counts.n_impacts + counts.n_not_unique
+    let changes = counts.n_touch + counts.n_separation + counts.n_side_stick + counts.n_side_slip;
+    changes + counts.n_impacts + counts.n_not_unique + counts.n_squeezes
 }
 
 /// The transitions at obstacles of a report; `None` for a scene without obstacles.

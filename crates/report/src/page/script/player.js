@@ -1,7 +1,7 @@
 // A replay with its controls: time, what is seen, and files of it.
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
-const REMARKABLE = ['grasp', 'release', 'slip_onset', 'stop', 'pinning', 'unpinning', 'jump', 'touch', 'separation', 'side_stick', 'side_slip', 'impact', 'not_unique'];
+const REMARKABLE = ['grasp', 'release', 'slip_onset', 'stop', 'pinning', 'unpinning', 'jump', 'touch', 'separation', 'side_stick', 'side_slip', 'impact', 'not_unique', 'squeeze'];
 const KEYS = 'Keys: space plays, ← → an instant, shift a second, [ ] events, + − zoom, w a s d move, 0 resets. The wheel zooms once the drawing is clicked, or with ctrl; dragging moves it.';
 
 class Player extends Stage {
