@@ -20,28 +20,33 @@ rigid-body engine rapier2d). Units are SI; angles are in radians, counter-clockw
 'inertia'
 """
 
+from ._check import Check, check, store_baseline
 from ._compare import BACKENDS, Comparison, Measure, compare, compare_controller
 from ._conformance import Conformance, conformance
 from ._errors import Fault, InternalError, ScenarioError
 from ._import import Import, import_scenario
+from ._maps import Map, Threshold, compare_map, threshold
 from ._measured import Measured, measured
 from ._native import View, __version__
 from ._parts import ants, ground, load, path, spring, tips
 from ._rollouts import Rollouts, rollouts
-from ._run import Event, Run, Trace, run
-from ._scenario import Scenario
+from ._run import Controller, Event, Run, Tips, Trace, run
+from ._scenario import Scenario, Source
 from ._simulation import Simulation
 from ._sweep import Sweep, sweep
 from ._view import view
 
 __all__ = [
     "BACKENDS",
+    "Check",
     "Comparison",
     "Conformance",
+    "Controller",
     "Event",
     "Fault",
     "Import",
     "InternalError",
+    "Map",
     "Measure",
     "Measured",
     "Rollouts",
@@ -49,13 +54,18 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Simulation",
+    "Source",
     "Sweep",
+    "Threshold",
+    "Tips",
     "Trace",
     "View",
     "__version__",
     "ants",
+    "check",
     "compare",
     "compare_controller",
+    "compare_map",
     "conformance",
     "ground",
     "import_scenario",
@@ -65,7 +75,9 @@ __all__ = [
     "rollouts",
     "run",
     "spring",
+    "store_baseline",
     "sweep",
+    "threshold",
     "tips",
     "view",
 ]

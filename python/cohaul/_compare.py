@@ -6,16 +6,22 @@ import html
 import math
 import os
 from contextlib import suppress
-from typing import Any, Callable, Mapping, Sequence, Union
+from pathlib import Path
+from typing import Any, Callable, Iterator, Literal, Mapping, Sequence, SupportsFloat, Union, cast, overload
 
 from . import _native
 from ._kept import Kept, kept, kept_trace
-from ._options import as_json, number, progress_of, rapier_options, text, texts, whole
-from ._run import Results, Trace
+from ._options import NoSkip, Progress, as_json, number, progress_of, rapier_options, text, texts, whole
+from ._run import Controller, Results, Trace
 from ._scenario import Source, as_scenario
+from .results import (
+    BackendName, Beside, ClosedLoop, ComparisonResults, ComparisonSettings, Format, MeasureVerdict, Pathwise, PathTier, QuantityVerdict,
+    RapierOptions, Refusal, TierName, Tiers, Verdicts, VerdictWord,
+)  # fmt: skip
 
-BACKENDS = ("quasi-static", "inertial", "rapier")
+BACKENDS: tuple[BackendName, ...] = ("quasi-static", "inertial", "rapier")
 """Names of the backends of the package, the simplest first."""
+PATH_TIERS: tuple[PathTier, ...] = ("prescribed", "replayed", "controlled")
 
 EngineLike = Union[str, Callable[[], Any]]
 """A class of an engine, a command that starts one, or ``rapier``."""
@@ -26,6 +32,7 @@ class Replay:
 
     def __init__(self, page: str) -> None:
         self.page = page
+        """The page as HTML."""
 
     def _repr_html_(self) -> str:
         style = "width: 100%; height: 46em; border: 1px solid #ccc"
@@ -42,11 +49,13 @@ class Measure:
         larger number without inertia or with it
     """
 
-    def __init__(self, name: str, unit: str, of: Callable[[Trace], Any], tolerance: float | None = None) -> None:
+    def __init__(self, name: str, unit: str, of: Callable[[Trace], SupportsFloat], tolerance: float | None = None) -> None:
         if not callable(of):
             raise TypeError(f"measure.of: must be a function, found {type(of).__name__}")
-        self.name, self.unit, self.of = _word("measure.name", name), _word("measure.unit", unit), of
-        self.tolerance = number("measure.tolerance", tolerance)
+        self.name: str = _word("measure.name", name)
+        self.unit: str = _word("measure.unit", unit)
+        self.of: Callable[[Trace], SupportsFloat] = of
+        self.tolerance: float | None = number("measure.tolerance", tolerance)
 
     def _number(self, data: _native.TraceData) -> float:
         found = self.of(Trace(data))
@@ -70,7 +79,8 @@ def _word(path: str, value: Any) -> str:
 
 
 class Comparison(Results):
-    """A finished comparison. As a mapping it has what ``cohaul compare --json`` prints."""
+    """A finished comparison. As a mapping it has what ``cohaul compare --json`` prints, a
+    :class:`ComparisonResults`."""
 
     _command = "cohaul.compare"
     _data: Any
@@ -79,7 +89,7 @@ class Comparison(Results):
         if isinstance(self._data, Kept):
             return self._data
         found = kept(self._data, ("json",), ("page", self._command), command=self._command)
-        names = [path["engine"]["name"] for path in [*self.tiers.values(), *self.other_engines] if "engine" in path]
+        names = [path["engine"]["name"] for _, path in self._paths()]
         for tier in self.tiers:
             with suppress(ValueError):  # A tier of distributions has no paths.
                 found.answers["overview", tier] = self._data.overview(tier)
@@ -88,46 +98,96 @@ class Comparison(Results):
                     found.answers["trace", tier, backend] = kept_trace(self._data.trace(tier, backend))
         return found
 
+    @overload  # type: ignore[override]
+    def __getitem__(self, name: Literal["answer", "scenario"]) -> str: ...
+    @overload
+    def __getitem__(self, name: Literal["format"]) -> Format: ...
+    @overload
+    def __getitem__(self, name: Literal["seed"]) -> int: ...
+    @overload
+    def __getitem__(self, name: Literal["wall_s"]) -> float: ...
+    @overload
+    def __getitem__(self, name: Literal["settings"]) -> ComparisonSettings: ...
+    @overload
+    def __getitem__(self, name: Literal["tiers"]) -> Tiers: ...
+    @overload
+    def __getitem__(self, name: Literal["other_engines"]) -> list[Pathwise]: ...
+    @overload
+    def __getitem__(self, name: Literal["refused_by"]) -> list[Refusal]: ...
+    @overload
+    def __getitem__(self, name: Literal["beside"]) -> Beside: ...
+    def __getitem__(self, name: str) -> Any:
+        return self._results[name]
+
     @property
-    def tiers(self) -> dict[str, Any]:
+    def results(self) -> ComparisonResults:
+        """All results, as ``cohaul compare --json`` prints them."""
+        return cast(ComparisonResults, self._results)
+
+    @property
+    def tiers(self) -> Tiers:
         """Results by tier: ``prescribed``, ``replayed``, ``controlled`` and ``closed_loop``."""
-        return self._results["tiers"]
+        return self["tiers"]
 
     @property
-    def other_engines(self) -> list[dict[str, Any]]:
-        """Paths of the engines after the first, as those in ``tiers``."""
-        return self._results.get("other_engines", [])
+    def paths(self) -> Pathwise:
+        """The first tier that compares paths, with the first engine.
 
-    @property
-    def refused_by(self) -> list[dict[str, Any]]:
-        """Engines that do not take the scene, where others do: ``engine`` and ``why``."""
-        return self._results.get("refused_by", [])
-
-    @property
-    def verdicts(self) -> dict[str, Any]:
-        """Verdict on each quantity, of the first tier: path, heading, pulls, contacts, speed, energy,
-        and the measure of your own if there is one.
-
-        Each has two answers, ``inertia`` (``negligible``, ``not negligible``, ``open`` or
-        ``nothing moved``) and ``engine`` (``within``, ``not within`` or ``open``), the ``verdict``
-        that follows from them, and the ``causes`` of what exceeds the tolerance; the numbers
-        ``inertia_effect``, ``engine_error``, ``reference_error`` and ``tolerance`` in the ``unit``,
-        and ``parts``, what these consist of.
+        Raises ``ValueError`` if there is none, as after a comparison of the closed loop alone.
         """
-        return next(iter(self.tiers.values()))["verdicts"]
+        for tier in PATH_TIERS:
+            if tier in self.tiers:
+                return self.tiers[tier]
+        raise ValueError(f"tiers: must have one that compares paths, found {', '.join(self.tiers)}")
 
     @property
-    def verdict(self) -> str:
-        """Verdict of the first tier; that on the path, if it compares paths."""
-        return next(iter(self.tiers.values()))["verdict"]
+    def closed_loop(self) -> ClosedLoop | None:
+        """The comparison of distributions over seeds, if there is one."""
+        return self.tiers.get("closed_loop")
 
-    def trace(self, backend: str, tier: str | None = None) -> Trace:
+    @property
+    def other_engines(self) -> list[Pathwise]:
+        """Paths of the engines after the first, as those in ``tiers``."""
+        return self.results.get("other_engines", [])
+
+    @property
+    def refused_by(self) -> list[Refusal]:
+        """Engines that do not take the scene, where others do: ``engine`` and ``why``."""
+        return self.results.get("refused_by", [])
+
+    @property
+    def verdicts(self) -> Verdicts:
+        """Verdict on each quantity, of the first tier that compares paths: path, heading, pulls,
+        contacts, speed, energy, and the measure of your own if there is one.
+
+        Each has two answers. ``inertia`` is ``negligible``, ``not negligible``, ``open`` or
+        ``nothing moved``, and ``engine`` is ``within``, ``not within`` or ``open``. ``verdict``
+        follows from them, and ``causes`` are those of what exceeds the tolerance. The numbers
+        ``inertia_effect``, ``engine_error``, ``reference_error`` and ``tolerance`` are in the
+        ``unit``, and ``parts`` are what they consist of. Verdicts on distributions are in
+        ``closed_loop``.
+        """
+        return self.paths["verdicts"]
+
+    @property
+    def verdict(self) -> VerdictWord:
+        """Verdict of the first tier; that on the path, if it compares paths."""
+        loop = self.closed_loop
+        return self.paths["verdict"] if loop is None or len(self.tiers) > 1 else loop["verdict"]
+
+    def _paths(self) -> Iterator[tuple[str, Pathwise]]:
+        """All comparisons of paths, with their tiers: those of the first engine before the others."""
+        yield from ((tier, self.tiers[tier]) for tier in PATH_TIERS if tier in self.tiers)
+        yield from ((found["tier"], found) for found in self.other_engines)
+
+    def trace(self, backend: str, tier: TierName | None = None) -> Trace:
         """Trace of a backend in a tier, by default the first one."""
         return Trace(self._data.trace(self._tier(tier), text("backend", backend) or ""))
 
-    def overview(self, tier: str | None = None) -> str:
+    def overview(self, tier: TierName | None = None) -> str:
         """Paths, differences and pulls of the three backends over time, as SVG."""
-        return self._data.overview(self._tier(tier))
+        picture: str = self._data.overview(self._tier(tier))
+        return picture
 
     def replay(self) -> Replay:
         """The page with its replay, for a notebook."""
@@ -137,25 +197,25 @@ class Comparison(Results):
         """Writes the files of ``cohaul compare --out`` to a folder."""
         self._data.write(os.fspath(folder), self._command)
 
-    def _tier(self, tier: str | None) -> str:
+    def _tier(self, tier: TierName | None) -> str:
         return text("tier", tier) or next(iter(self.tiers))
 
     def __repr__(self) -> str:
         return f"<Comparison of {self['scenario']!r}: {self.answer}>"
 
     def _repr_html_(self) -> str:
-        names = ["inertia_effect", "engine_error", "reference_error", "tolerance"]
-        head = "".join(f"<th>{name.replace('_', ' ')}</th>" for name in ["quantity", *names, "verdict"])
+        found = [(f"{tier}: {path['engine']['name']}", path["verdicts"].items()) for tier, path in self._paths()]
+        if loop := self.closed_loop:
+            found.append((f"closed loop: {loop['engine_name']['name']}, {loop['n_seeds']} seeds", loop["verdicts"].items()))
+        head = "".join(f"<th>{name.replace('_', ' ')}</th>" for name in ["quantity", *DIFFERENCES, "verdict"])
         tables = []
-        tiers = [*self.tiers.items(), *((found["tier"], found) for found in self.other_engines)]
-        for tier, found in tiers:
-            rows = "".join(_row(quantity, verdict, names) for quantity, verdict in found["verdicts"].items())
-            tables.append(f"<table><caption>{html.escape(_titled(tier, found))}</caption><tr>{head}</tr>{rows}</table>")
+        for title, verdicts in found:
+            rows = "".join(_row(quantity, verdict) for quantity, verdict in verdicts)
+            tables.append(f"<table><caption>{html.escape(title)}</caption><tr>{head}</tr>{rows}</table>")
         return f"<p>{html.escape(self.answer)}</p>{''.join(tables)}"
 
 
-def _titled(tier: str, found: dict[str, Any]) -> str:
-    return f"{tier.replace('_', ' ')}: {found['engine']['name']}"
+DIFFERENCES = ("inertia_effect", "engine_error", "reference_error", "tolerance")
 
 
 def _engines(engine: EngineLike | Sequence[EngineLike] | None) -> list[EngineLike]:
@@ -172,8 +232,8 @@ def _engines(engine: EngineLike | Sequence[EngineLike] | None) -> list[EngineLik
     return engines
 
 
-def _row(quantity: str, verdict: dict[str, Any], names: Sequence[str]) -> str:
-    cells = [_quantity(verdict.get(name), verdict.get("unit", "")) for name in names]
+def _row(quantity: str, verdict: Any) -> str:
+    cells = [_quantity(verdict[name], verdict["unit"]) for name in DIFFERENCES]
     words = ", ".join(verdict.get("causes", [])) or verdict["verdict"]
     return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in [quantity, *cells, words]) + "</tr>"
 
@@ -185,7 +245,7 @@ def _quantity(value: float | None, unit: str) -> str:
 def compare(
     scenario: Source,
     *,
-    tiers: str | Sequence[str] | None = None,
+    tiers: TierName | Sequence[TierName] | None = None,
     seeds: int = 8,
     seed: int | None = None,
     step_s: float | None = None,
@@ -196,13 +256,14 @@ def compare(
     tolerance_pull_share: float | None = None,
     tolerance_speed_share: float | None = None,
     tolerance_energy_share: float | None = None,
-    recorded_from: str | None = None,
+    recorded_from: BackendName | None = None,
     rate_independent: bool = False,
-    no_skip: str | Sequence[str] | None = None,
-    rapier: Mapping[str, str] | None = None,
+    no_skip: NoSkip = None,
+    rapier: RapierOptions | None = None,
     engine: EngineLike | Sequence[EngineLike] | None = None,
+    beside: Any = None,
     threads: int | None = None,
-    progress: bool | Callable[[float], Any] | None = None,
+    progress: Progress = None,
 ) -> Comparison:
     """Compares the two exact backends with an engine on a scenario. Ctrl-C ends it.
 
@@ -223,6 +284,9 @@ def compare(
         length (1)
     :param rate_independent: whether the quasi-static model leaves out the dashpots of the springs,
         which are then part of the inertia effect
+    :param beside: a path that was recorded elsewhere, whose distances from those of the first tier
+        are in ``results["beside"]``: a CSV file, a :class:`Trace` or a data frame with the columns
+        ``time_s``, ``x_m``, ``y_m`` and ``heading_rad``
     :param threads: number of threads; the default is one for each processor
 
     >>> found = compare("scenarios/analytic/release-jump.json")
@@ -238,14 +302,14 @@ def compare(
     engines = _engines(engine)
     if engines and "rapier" not in engines and rapier is not None:
         raise ValueError("rapier: must be left out without rapier among the engines, found both")
-    return _compared(scenario, settings, tiers, seeds, seed, None, engines, threads, progress)
+    return _compared(scenario, settings, tiers, seeds, seed, None, engines, threads, progress, beside=_recorded(beside))
 
 
 def compare_controller(
     scenario: Source,
-    make_controller: Callable[[int], Callable[[Any], Any]],
+    make_controller: Callable[[int], Controller],
     *,
-    tiers: str | Sequence[str] | None = None,
+    tiers: TierName | Sequence[TierName] | None = None,
     measure: Measure | None = None,
     seeds: int = 8,
     seed: int | None = None,
@@ -257,13 +321,13 @@ def compare_controller(
     tolerance_pull_share: float | None = None,
     tolerance_speed_share: float | None = None,
     tolerance_energy_share: float | None = None,
-    recorded_from: str | None = None,
+    recorded_from: BackendName | None = None,
     rate_independent: bool = False,
-    no_skip: str | Sequence[str] | None = None,
-    rapier: Mapping[str, str] | None = None,
+    no_skip: NoSkip = None,
+    rapier: RapierOptions | None = None,
     engine: EngineLike | Sequence[EngineLike] | None = None,
     threads: int | None = None,
-    progress: bool | Callable[[float], Any] | None = None,
+    progress: Progress = None,
 ) -> Comparison:
     """Compares the three backends under a controller of your own.
 
@@ -271,16 +335,17 @@ def compare_controller(
     controller is called once in each control period with a :class:`View`, may attach and release
     springs and steer obstacles there, and returns the positions of all tips at the end of the
     period, or ``None`` to hold them. The scenario's drive is not used. Options are those of
-    :func:`compare`; an engine in the place of rapier cannot steer obstacles.
+    :func:`compare`; obstacles stay on their paths on an engine in the place of rapier.
 
     The tier ``controlled`` runs the controller on each backend, where it answers to what it sees
     there, and gives a verdict on path, heading, pulls, contact forces, speed, energy and your
     measure. The reference error contains what an error of the path makes of the commands. A run
     that ends early ends the comparison of all. ``replayed`` records one run of the controller and
     replays its motions on all backends. ``closed-loop`` compares distributions over seeds. The
-    default is ``replayed`` and ``closed-loop``.
+    default is ``replayed`` and ``closed-loop``, and with a measure ``replayed`` and ``controlled``.
 
-    :param measure: a measure of your own, for the tiers ``controlled`` and ``replayed``
+    :param measure: a measure of your own, for the tiers ``controlled`` and ``replayed``; it is no
+        part of ``closed-loop``, which is refused with one
 
     >>> def tow(seed):
     ...     def control(view):
@@ -300,6 +365,10 @@ def compare_controller(
         raise TypeError(f"make_controller: must be a function, found {type(make_controller).__name__}")
     if measure is not None and not isinstance(measure, Measure):
         raise TypeError(f"measure: must be a Measure, found {type(measure).__name__}")
+    if measure is not None and tiers is None:
+        tiers = ["replayed", "controlled"]
+    if measure is not None and any(tier in ("closed-loop", "closed_loop") for tier in texts("tiers", tiers)):
+        raise ValueError("measure: must come with the tiers replayed and controlled, found closed-loop")
     settings = _settings(
         step_s, halvings, tolerance_m, recorded_from, rate_independent, tolerance_share, tolerance_heading_rad,
         tolerance_pull_share, tolerance_speed_share, tolerance_energy_share, no_skip, rapier,
@@ -310,19 +379,36 @@ def compare_controller(
     return _compared(scenario, settings, tiers, seeds, seed, make_controller, engines, threads, progress, measure)
 
 
+def _recorded(path: Any) -> tuple[str, str] | None:
+    """Name and text of a table with a path."""
+    if path is None:
+        return None
+    if isinstance(path, (str, os.PathLike)):
+        return os.fspath(path), Path(path).read_text(encoding="utf-8")
+    if isinstance(path, Trace):
+        columns = [path[name].tolist() for name in ("time_s", "x_m", "y_m", "heading_rad")]
+        rows = [",".join(map(repr, row)) for row in zip(*columns)]
+        return "trace", "\n".join(["time_s,x_m,y_m,heading_rad", *rows, ""])
+    if hasattr(path, "to_csv"):
+        return "data frame", str(path.to_csv(index=False))
+    if hasattr(path, "write_csv"):
+        return "data frame", str(path.write_csv())
+    raise TypeError(f"beside: must be a CSV file, a trace or a data frame, found {type(path).__name__}")
+
+
 def _settings(
     step_s: float | None,
     halvings: int | None,
     tolerance_m: float | None,
-    recorded_from: str | None,
+    recorded_from: BackendName | None,
     rate_independent: bool,
     tolerance_share: float | None,
     tolerance_heading_rad: float | None,
     tolerance_pull_share: float | None,
     tolerance_speed_share: float | None,
     tolerance_energy_share: float | None,
-    no_skip: str | Sequence[str] | None,
-    rapier: Mapping[str, str] | None,
+    no_skip: NoSkip,
+    rapier: RapierOptions | None,
 ) -> dict[str, Any]:
     return {
         "step_s": number("step_s", step_s),
@@ -343,23 +429,21 @@ def _settings(
 def _compared(
     scenario: Source,
     settings: dict[str, Any],
-    tiers: str | Sequence[str] | None,
+    tiers: TierName | Sequence[TierName] | None,
     seeds: int,
     seed: int | None,
-    controller: Callable[[int], Callable[[Any], Any]] | None,
+    controller: Callable[[int], Controller] | None,
     engines: list[EngineLike],
     threads: int | None,
-    progress: bool | Callable[[float], Any] | None,
+    progress: Progress,
     measure: Measure | None = None,
+    beside: tuple[str, str] | None = None,
 ) -> Comparison:
     given = as_scenario(scenario)
     scene = given._scene if seed is None else given._scene.with_seed(whole("seed", seed))
     asked = as_json({name: value for name, value in settings.items() if value is not None})
     n_seeds, n_threads = whole("seeds", seeds, 1, 10**6), whole("threads", threads, 1, 1024)
     names = texts("tiers", tiers)
-    show, end = progress_of(progress, "compare")
-    try:
-        asked_measure = None if measure is None else measure._asked()
-        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, asked_measure, engines, n_threads, show))
-    finally:
-        end()
+    asked_measure = None if measure is None else measure._asked()
+    with progress_of(progress, "compare") as show:
+        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, asked_measure, engines, beside, n_threads, show))

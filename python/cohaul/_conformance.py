@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import html
 import os
-from typing import Any, Callable
+from typing import Any, Callable, Literal, Union, cast, overload
 
 from . import _native
 from ._kept import Kept, kept
-from ._options import number, progress_of, whole
+from ._options import Progress, number, progress_of, whole
 from ._run import Results
+from .results import BackendName, ConformanceCounts, ConformanceResults, ConformanceTest, EngineName, Format, Grade
 
 
 class Conformance(Results):
-    """A finished conformance table. As a mapping it has what ``cohaul conformance --json`` prints."""
+    """A finished conformance table. As a mapping it has what ``cohaul conformance --json`` prints, a
+    :class:`ConformanceResults`."""
 
     _command = "cohaul.conformance"
     _data: Any
@@ -21,15 +23,37 @@ class Conformance(Results):
     def _kept(self) -> Kept:
         return kept(self._data, ("json",), ("text", False), ("markdown",), ("page", self._command), command=self._command)
 
+    @overload  # type: ignore[override]
+    def __getitem__(self, name: Literal["answer", "line"]) -> str: ...
+    @overload
+    def __getitem__(self, name: Literal["format"]) -> Format: ...
+    @overload
+    def __getitem__(self, name: Literal["engine"]) -> EngineName: ...
+    @overload
+    def __getitem__(self, name: Literal["step_s"]) -> float: ...
+    @overload
+    def __getitem__(self, name: Literal["counts"]) -> ConformanceCounts: ...
+    @overload
+    def __getitem__(self, name: Literal["tests"]) -> list[ConformanceTest]: ...
+    def __getitem__(self, name: str) -> Any:
+        return self._results[name]
+
+    @property
+    def results(self) -> ConformanceResults:
+        """All results, as ``cohaul conformance --json`` prints them."""
+        return cast(ConformanceResults, self._results)
+
     @property
     def text(self) -> str:
         """The table as text, as the program prints it."""
-        return self._data.text(False)
+        text: str = self._data.text(False)
+        return text
 
     @property
     def markdown(self) -> str:
         """The table as Markdown, to be kept beside an engine."""
-        return self._data.markdown()
+        text: str = self._data.markdown()
+        return text
 
     @property
     def html(self) -> str:
@@ -39,11 +63,10 @@ class Conformance(Results):
     @property
     def line(self) -> str:
         """The answer in one line, for the README of an engine."""
-        line: str = self._results["line"]
-        return line
+        return self["line"]
 
     @property
-    def grades(self) -> dict[str, str]:
+    def grades(self) -> dict[str, Union[Grade, Literal["answered", "refused", "failed"]]]:
         """Worst grade of each test by its key, or ``refused`` or ``failed``."""
         return {test["key"]: test["grade"] or test["outcome"] for test in self["tests"]}
 
@@ -63,7 +86,7 @@ class Conformance(Results):
         return f"<p>{html.escape(self.answer)}</p><table><tr>{head}</tr>{rows}</table>"
 
 
-def _rows(test: dict[str, Any]) -> str:
+def _rows(test: ConformanceTest) -> str:
     title = f"{test['key']} {test['name']}"
     if not test["measures"]:
         return _row([title, "", "", "", "", f"{test['outcome']}: {test['why']}"])
@@ -85,11 +108,11 @@ def _row(cells: list[str]) -> str:
 
 
 def conformance(
-    engine: str | Callable[[], Any] = "rapier",
+    engine: BackendName | Callable[[], Any] = "rapier",
     *,
     step_s: float = 1e-3,
     threads: int | None = None,
-    progress: bool | Callable[[float], Any] | None = None,
+    progress: Progress = None,
 ) -> Conformance:
     """Puts questions with closed answers to an engine, in steps of at most ``step_s`` (s).
 
@@ -107,9 +130,6 @@ def conformance(
         raise TypeError(f"engine: must be a name, or a class that makes an engine, found {type(engine).__name__}")
     step = number("step_s", step_s)
     n_threads = whole("threads", threads, 1, 1024)
-    show, end = progress_of(progress, "conformance")
-    try:
-        name, make = ("", engine) if callable(engine) else (engine, None)
+    name, make = ("", engine) if callable(engine) else (engine, None)
+    with progress_of(progress, "conformance") as show:
         return Conformance(_native.conformance(name, make, 1e-3 if step is None else step, n_threads, show))
-    finally:
-        end()

@@ -6,8 +6,10 @@ import math
 from typing import Any, Iterator
 
 import numpy as np
+import numpy.typing as npt
 
 from ._run import library
+from .results import FloatArray
 
 WIDTH, HEIGHT = 640, 480
 """Size of a picture (pixels)."""
@@ -31,14 +33,14 @@ class Painter:
             self.surface = self.pygame.Surface((WIDTH, HEIGHT))
         self.is_window = is_window
 
-    def see(self, places: np.ndarray) -> None:
+    def see(self, places: FloatArray) -> None:
         """Fits the view to these places (m, world), a row each."""
         low, high = places.min(axis=0), places.max(axis=0)
         self.middle = 0.5 * (low + high)
         span = np.maximum(high - low, 1e-9) / (np.array([WIDTH, HEIGHT]) - 80.0)
         self.metres_per_pixel = float(span.max())
 
-    def draw(self, sim: Any, goal: np.ndarray, goal_radius: float) -> np.ndarray | None:
+    def draw(self, sim: Any, goal: FloatArray, goal_radius: float) -> npt.NDArray[np.uint8] | None:
         """Draws what is there; returns rows of pixels (height, width, 3) unless it is a window."""
         self.surface.fill(PAPER)
         self.pygame.draw.circle(self.surface, GOAL, self._pixel(goal[:2]), max(2.0, goal_radius / self.metres_per_pixel), 3)
@@ -66,7 +68,7 @@ class Painter:
         x, y = (np.asarray(place) - self.middle) / self.metres_per_pixel
         return 0.5 * WIDTH + float(x), 0.5 * HEIGHT - float(y)
 
-    def _shapes(self, parts: list[Any], pose: np.ndarray, colour: tuple[int, int, int], width: int) -> None:
+    def _shapes(self, parts: list[Any], pose: FloatArray, colour: tuple[int, int, int], width: int) -> None:
         for kind, shape, places in parts:
             points = [self._pixel(place) for place in _placed(places, pose)]
             if kind == "disc":
@@ -91,7 +93,7 @@ def _outline(load: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _parts(outline: dict[str, Any], place: Any = (0.0, 0.0), heading: float = 0.0) -> Iterator[tuple[str, float, np.ndarray]]:
+def _parts(outline: dict[str, Any], place: Any = (0.0, 0.0), heading: float = 0.0) -> Iterator[tuple[str, float, FloatArray]]:
     """Kind, radius (m) and points (m) of each part in the frame of the body."""
     (kind, shape), pose = next(iter(outline.items())), (*place, heading)
     if kind == "compound":
@@ -108,8 +110,9 @@ def _parts(outline: dict[str, Any], place: Any = (0.0, 0.0), heading: float = 0.
         yield kind, 0.0, _placed(np.array(shape["points_m"], dtype=float), pose)
 
 
-def _placed(places: np.ndarray, pose: Any) -> np.ndarray:
+def _placed(places: FloatArray, pose: Any) -> FloatArray:
     """Places of a body's frame in that in which its pose is given."""
     x, y, heading = (float(one) for one in pose)
     cos, sin = math.cos(heading), math.sin(heading)
-    return places @ np.array([[cos, sin], [-sin, cos]]) + np.array([x, y])
+    placed: FloatArray = places @ np.array([[cos, sin], [-sin, cos]]) + np.array([x, y])
+    return placed

@@ -6,14 +6,16 @@ import json
 import math
 import os
 from pathlib import Path
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Callable, Literal, Mapping, Sequence, get_args
 
 from . import _native
 from ._options import as_json, number, plain, text, whole
 from ._scenario import Scenario, Source
+from .results import ImportAccount
 
-
-FORMATS = ("table", "deeplabcut", "sleap", "idtracker", "trex", "tracktor", "swistrack")
+TrackFormat = Literal["table", "deeplabcut", "sleap", "idtracker", "trex", "tracktor", "swistrack"]
+"""Program that writes tracks."""
+FORMATS: tuple[TrackFormat, ...] = get_args(TrackFormat)
 """Programs that write tracks."""
 
 
@@ -21,14 +23,14 @@ class Import:
     """A scenario that was imported, and an account of what was done."""
 
     def __init__(self, found: _native.Import) -> None:
-        self.scenario = Scenario(json.loads(found.scenario))
+        self.scenario: Scenario = Scenario(json.loads(found.scenario))
         """The scenario."""
-        self.account: dict[str, Any] = json.loads(found.json())
+        self.account: ImportAccount = json.loads(found.json())
         """What ``cohaul scenario import --json`` prints: each kind of change with its number, its
         largest size and its bound."""
-        self.tracks_csv = found.tracks
+        self.tracks_csv: str | None = found.tracks
         """All tracks in SI units as CSV, which can be imported again; ``None`` for a drawing."""
-        self.tips_csv = found.tips
+        self.tips_csv: str | None = found.tips
         """Tips and load as CSV, which ``cohaul calibrate`` reads; ``None`` for a drawing."""
         self._text = found.text()
 
@@ -43,13 +45,13 @@ def import_scenario(
     files: Any,
     like: Source | None = None,
     *,
-    format: str | None = None,
+    format: TrackFormat | None = None,
     name: str | None = None,
     duration_s: float | None = None,
     fps: float | None = None,
     scale_m: float | None = None,
-    y: str | None = None,
-    headings: str | None = None,
+    y: Literal["up", "down"] | None = None,
+    headings: Literal["radians", "degrees"] | None = None,
     min_confidence: float | None = None,
     start_s: float | None = None,
     origin_m: Sequence[float] | None = None,
@@ -69,8 +71,8 @@ def import_scenario(
     :param files: a file of tracks or a drawing, a list of files of tracks, or a data frame with
         ``to_csv``; or a scenario file whose outlines break a rule, without ``like``
     :param like: scenario with the load, the ground, the springs and the obstacles
-    :param format: program that has written the tracks, as ``'deeplabcut'``; the default is told by
-        their first lines
+    :param format: program that has written the tracks, as ``'deeplabcut'``; the default follows
+        from their first lines
     :param fps: frames per second, where the files count frames
     :param scale_m: length of a pixel, or of a unit without a name (m)
     :param y: direction of the y axis, ``'up'`` or ``'down'``

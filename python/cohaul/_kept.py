@@ -23,7 +23,7 @@ class Kept:
     __slots__ = ("answers",)
 
     def __init__(self, answers: dict[tuple[Any, ...], Any]) -> None:
-        self.answers = answers
+        self.answers: dict[tuple[Any, ...], Any] = answers
         for answer in answers.values():
             if isinstance(answer, np.ndarray):
                 answer.setflags(write=False)

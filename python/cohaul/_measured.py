@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Literal, Mapping, Sequence, cast, overload
 
 from . import _native
 from ._kept import Kept, kept
-from ._options import as_json, number, progress_of, texts, whole
+from ._options import Progress, as_json, number, progress_of, texts, whole
 from ._run import Results
 from ._scenario import Source, as_scenario
+from .results import Bias, Fit, Format, MeasuredQuestion, MeasuredResults, MeasuredRun, OverRuns, OwnLimit
 
 
 class Measured(Results):
-    """Measured runs that were compared. As a mapping it has what ``cohaul measured --json`` prints."""
+    """Measured runs that were compared. As a mapping it has what ``cohaul measured --json`` prints,
+    a :class:`MeasuredResults`."""
 
     _command = "cohaul.measured"
     _data: Any
@@ -22,16 +24,46 @@ class Measured(Results):
     def _kept(self) -> Kept:
         return kept(self._data, ("json",), ("text", False), ("page", self._command), command=self._command)
 
+    @overload  # type: ignore[override]
+    def __getitem__(self, name: Literal["answer", "scenario"]) -> str: ...
+    @overload
+    def __getitem__(self, name: Literal["format"]) -> Format: ...
+    @overload
+    def __getitem__(self, name: Literal["recording", "worst", "notes"]) -> list[str]: ...
+    @overload
+    def __getitem__(self, name: Literal["question"]) -> MeasuredQuestion: ...
+    @overload
+    def __getitem__(self, name: Literal["n_runs", "n_left_out", "n_doubtful"]) -> int: ...
+    @overload
+    def __getitem__(self, name: Literal["over_runs"]) -> OverRuns | None: ...
+    @overload
+    def __getitem__(self, name: Literal["own_limit"]) -> OwnLimit | None: ...
+    @overload
+    def __getitem__(self, name: Literal["bias"]) -> Bias | None: ...
+    @overload
+    def __getitem__(self, name: Literal["fit"]) -> Fit: ...
+    @overload
+    def __getitem__(self, name: Literal["wall_s"]) -> float: ...
+    @overload
+    def __getitem__(self, name: Literal["runs"]) -> list[MeasuredRun]: ...
+    def __getitem__(self, name: str) -> Any:
+        return self._results[name]
+
+    @property
+    def results(self) -> MeasuredResults:
+        """All results, as ``cohaul measured --json`` prints them."""
+        return cast(MeasuredResults, self._results)
+
     @property
     def text(self) -> str:
         """The report as text, as the program prints it."""
-        return self._data.text(False)
+        text: str = self._data.text(False)
+        return text
 
     @property
-    def runs(self) -> list[dict[str, Any]]:
+    def runs(self) -> list[MeasuredRun]:
         """What was found of each run, with ``left_out`` in place of ``found`` where there is nothing."""
-        runs: list[dict[str, Any]] = self._results["runs"]
-        return runs
+        return self["runs"]
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes the files of ``cohaul measured --out`` to a folder."""
@@ -50,17 +82,17 @@ def measured(
     *,
     columns: Mapping[str, str] | None = None,
     least_confidence: float = 0.0,
-    start: str = "touching",
+    start: Literal["touching", "recorded"] = "touching",
     smooth_m: float | None = None,
     largest_shift_m: float | None = None,
     longest_gap_s: float | None = None,
     uncertainty: tuple[float, float] | None = None,
     fit: str | Sequence[str] | None = None,
     fit_runs: int | None = None,
-    engine: str | None = "rapier",
+    engine: Literal["rapier"] | None = "rapier",
     tolerance_m: float | None = None,
     threads: int | None = None,
-    progress: bool | Callable[[float], Any] | None = None,
+    progress: Progress = None,
 ) -> Measured:
     """Compares measured runs with simulated ones. Ctrl-C ends it.
 
@@ -106,11 +138,9 @@ def measured(
     }
     asked = as_json({name: value for name, value in settings.items() if value is not None})
     scene, tables = as_scenario(scenario)._scene, _tables(recording)
-    show, end = progress_of(progress, "measured")
-    try:
-        return Measured(_native.measured(scene, tables, asked, whole("threads", threads, 1, 1024), show))
-    finally:
-        end()
+    n_threads = whole("threads", threads, 1, 1024)
+    with progress_of(progress, "measured") as show:
+        return Measured(_native.measured(scene, tables, asked, n_threads, show))
 
 
 def _tables(recording: Any) -> list[tuple[str, str, str]]:

@@ -1,9 +1,9 @@
 from os import PathLike
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Callable, Literal, Mapping, Sequence
 
 from typing_extensions import Self
 
-import numpy as np
+from .results import FloatArray, Status
 
 __version__: str
 
@@ -13,7 +13,7 @@ class Scene:
     duration_s: float
     control_period_s: float
     n_springs: int
-    drive: str
+    drive: Literal["tips", "ants"]
     radius_m: float
     slip_limit_n: float
     @staticmethod
@@ -62,6 +62,27 @@ class Import:
     def json(self) -> str: ...
     def text(self) -> str: ...
 
+class MapData:
+    def json(self) -> str: ...
+    def text(self) -> str: ...
+    def csv(self) -> str: ...
+    def figure(self) -> str: ...
+    def page(self, command: str) -> str: ...
+    def write(self, folder: str | PathLike[str], command: str) -> None: ...
+
+class ThresholdData:
+    def json(self) -> str: ...
+    def text(self) -> str: ...
+    def csv(self) -> str: ...
+    def figure(self) -> str: ...
+    def page(self, command: str) -> str: ...
+    def write(self, folder: str | PathLike[str], command: str) -> None: ...
+
+class Check:
+    def json(self) -> str: ...
+    def text(self) -> str: ...
+    def write(self, folder: str | PathLike[str], command: str) -> None: ...
+
 class Measured:
     def json(self) -> str: ...
     def text(self, is_full: bool) -> str: ...
@@ -98,27 +119,27 @@ class View:
     def attached(self) -> list[bool]:
         """Whether each spring is attached."""
     @property
-    def tips(self) -> np.ndarray:
+    def tips(self) -> FloatArray:
         """Tip of each spring (m, world); NaN for a free one."""
     @property
-    def pulls(self) -> np.ndarray:
+    def pulls(self) -> FloatArray:
         """Pull on the tip of each spring (N, world); zero for a free one."""
     @property
-    def obstacles(self) -> np.ndarray:
+    def obstacles(self) -> FloatArray:
         """x, y (m, world) and heading (rad) of each obstacle."""
     @property
     def contacts(self) -> list[tuple[int, tuple[float, float], tuple[float, float]]]:
         """Contacts in the last step: obstacle, point (m, world), force on the load (N, world)."""
     @property
-    def contact_forces(self) -> np.ndarray:
+    def contact_forces(self) -> FloatArray:
         """Force of each obstacle on the load in the last step (N, world)."""
     @property
-    def friction_forces(self) -> np.ndarray:
+    def friction_forces(self) -> FloatArray:
         """Friction force of the ground on each support in the last step (N, world)."""
-    def steer(self, obstacle: int, pose: Sequence[float] | np.ndarray) -> None:
+    def steer(self, obstacle: int, pose: Sequence[float] | FloatArray) -> None:
         """Sends an obstacle straight to ``pose`` (x, y in m, heading in rad, world) by the end of the
         control period. It leaves the path of the scenario for good."""
-    def attach(self, spring: int, tip: Sequence[float] | np.ndarray) -> None:
+    def attach(self, spring: int, tip: Sequence[float] | FloatArray) -> None:
         """Attaches a free spring with its tip at ``tip`` (m, world)."""
     def release(self, spring: int) -> None:
         """Releases an attached spring."""
@@ -127,37 +148,38 @@ class View:
 
 class Stepper:
     def __new__(cls, scene: Scene, options: str) -> Self: ...
-    def attach(self, spring: int, tip: Sequence[float] | np.ndarray) -> None:
+    def attach(self, spring: int, tip: Sequence[float] | FloatArray) -> None:
         """Attaches a free spring with its tip at ``tip`` (m, world)."""
     def release(self, spring: int) -> None:
         """Releases an attached spring, which relaxes at once."""
     def advance(
         self,
-        tips: Sequence[Sequence[float]] | np.ndarray,
+        tips: Sequence[Sequence[float]] | FloatArray,
         duration_s: float,
-        pushers: Mapping[int, Sequence[float] | np.ndarray] | None = None,
-    ) -> str:
+        pushers: Mapping[int, Sequence[float] | FloatArray] | None = None,
+    ) -> Status:
         """Moves all tips straight to ``tips`` (m, world, one entry a spring), and the obstacles of
         ``pushers`` to their poses (x, y in m, heading in rad, world), within a time (s). Returns
-        how the steps ended: ``converged``, ``not_converged`` or ``failed``."""
+        how the steps ended: ``converged``, ``not_converged`` or ``failed``. Ctrl-C ends a long
+        one, and leaves all as it was before."""
     def save(self) -> str:
         """Complete state, from which :meth:`load` continues bit for bit."""
     def load(self, text: str) -> None:
         """Continues from a state that :meth:`save` returned."""
     @property
-    def obstacles(self) -> np.ndarray:
+    def obstacles(self) -> FloatArray:
         """x, y (m, world) and heading (rad) of each obstacle."""
     @property
     def contacts(self) -> list[tuple[int, tuple[float, float], tuple[float, float]]]:
         """Contacts in the last step: obstacle, point (m, world), force on the load (N, world)."""
     @property
-    def contact_forces(self) -> np.ndarray:
+    def contact_forces(self) -> FloatArray:
         """Force of each obstacle on the load in the last step (N, world)."""
     @property
-    def friction_forces(self) -> np.ndarray:
+    def friction_forces(self) -> FloatArray:
         """Friction force of the ground on each support in the last step (N, world)."""
     def facts(self) -> str: ...
-    def numbers(self) -> np.ndarray: ...
+    def numbers(self) -> FloatArray: ...
     def set_numbers(self, path: str, bytes: bytes) -> None: ...
     @property
     def time_s(self) -> float:
@@ -172,10 +194,10 @@ class Stepper:
     def attached(self) -> list[bool]:
         """Whether each spring is attached."""
     @property
-    def tips(self) -> np.ndarray:
+    def tips(self) -> FloatArray:
         """Tip of each spring (m, world); NaN for a free one."""
     @property
-    def pulls(self) -> np.ndarray:
+    def pulls(self) -> FloatArray:
         """Pull on the tip of each spring (N, world); zero for a free one."""
 
 def run(
@@ -193,9 +215,40 @@ def compare(
     controller: Callable[[int], Callable[[View], Any]] | None,
     measure: dict[str, Any] | None,
     engines: list[Any],
+    beside: tuple[str, str] | None,
     threads: int | None,
     progress: Callable[[float], Any] | None,
 ) -> Comparison: ...
+def compare_map(
+    scene: Scene,
+    vary: str,
+    settings: str,
+    is_everywhere: bool,
+    threads: int | None,
+    progress: Callable[[float], Any] | None,
+) -> MapData: ...
+def threshold(
+    scene: Scene, asked: str, settings: str, threads: int | None, progress: Callable[[float], Any] | None
+) -> ThresholdData: ...
+def check(
+    folder: str,
+    names: list[str] | None,
+    scene: Scene | None,
+    is_exact: bool,
+    accepts: bool,
+    threads: int | None,
+    progress: Callable[[float], Any] | None,
+) -> Check: ...
+def store_baseline(
+    scene: Scene,
+    folder: str,
+    name: str | None,
+    stem: str,
+    options: str,
+    n_rows: int | None,
+    replaces: bool,
+    progress: Callable[[float], Any] | None,
+) -> str: ...
 def conformance(
     name: str,
     make: Callable[[], Any] | None,

@@ -6,9 +6,16 @@ import json
 import math
 import numbers
 import os
-from typing import Any, Callable, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, Callable, Iterator, Mapping, Sequence, Union
 
 from ._errors import Fault, ScenarioError
+from .results import BackendName, Integrator, RapierOptions, SkipName
+
+Progress = Union[bool, Callable[[float], object], None]
+"""Whether a bar is shown, or a function of the fraction done (1)."""
+NoSkip = Union[SkipName, Sequence[SkipName], None]
+"""Work that is not skipped, although its outcome is known."""
 
 DEEPEST = 64
 """Deepest level of a scenario (1): deeper data is a mistake, as a list in itself."""
@@ -58,7 +65,7 @@ def texts(path: str, value: str | Sequence[str] | None) -> list[str]:
     return words
 
 
-def rapier_options(options: Mapping[str, str] | None) -> dict[str, str]:
+def rapier_options(options: RapierOptions | None) -> dict[str, str]:
     """Options of rapier: ``friction``, ``springs``, ``precision`` and ``settings``."""
     if options is None:
         return {}
@@ -68,15 +75,15 @@ def rapier_options(options: Mapping[str, str] | None) -> dict[str, str]:
 
 
 def backend_options(
-    backend: str,
+    backend: BackendName,
     step_s: float | None = None,
     tolerance_m: float | None = None,
     tolerance_rad: float | None = None,
-    integrator: str | None = None,
+    integrator: Integrator | None = None,
     second_order: bool = False,
     rate_independent: bool = False,
-    no_skip: str | Sequence[str] | None = None,
-    rapier: Mapping[str, str] | None = None,
+    no_skip: NoSkip = None,
+    rapier: RapierOptions | None = None,
 ) -> dict[str, Any]:
     """Options of a run, without those that are not given."""
     found = {
@@ -133,14 +140,33 @@ def as_json(value: Any) -> str:
     return json.dumps(value, allow_nan=False)
 
 
-def progress_of(
-    progress: bool | Callable[[float], Any] | None, label: str
-) -> tuple[Callable[[float], Any] | None, Callable[[], None]]:
-    """What is called with the fraction done, and what is called at the end.
+@contextmanager
+def progress_of(progress: Progress, label: str) -> Iterator[Callable[[float], object] | None]:
+    """What is called with the fraction done (1), which never falls and ends with 1 if the work does.
 
-    ``True`` shows a bar of tqdm if it is installed, ``None`` does so on a terminal or in a
-    notebook, and a function is called with the fraction done.
+    ``True`` shows a bar of tqdm if it is installed, ``None`` does so if ``COHAUL_PROGRESS`` is set,
+    and a function is called with the fraction done.
     """
+    show, end = _shown_by(progress, label)
+    if show is None:
+        yield None
+        return
+    last = 0.0
+
+    def rising(share: float) -> object:
+        nonlocal last
+        last = max(last, min(share, 1.0))
+        return show(last)
+
+    try:
+        yield rising
+        show(1.0)
+    finally:
+        end()
+
+
+def _shown_by(progress: Progress, label: str) -> tuple[Callable[[float], object] | None, Callable[[], object]]:
+    """What shows the fraction done, and what ends that."""
     if progress is not None and not isinstance(progress, bool):
         if not callable(progress):
             raise TypeError(f"progress: must be True, False or a function, found {type(progress).__name__}")
@@ -154,11 +180,7 @@ def progress_of(
     bar = tqdm(total=1.0, desc=label, bar_format="{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}")
 
     def show(share: float) -> None:
-        bar.n = min(share, 1.0)
+        bar.n = share
         bar.refresh()
 
-    def end() -> None:
-        show(1.0)
-        bar.close()
-
-    return show, end
+    return show, bar.close

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _native
 from ._kept import Kept
-from ._options import as_json, backend_options, number, progress_of, whole
+from ._options import NoSkip, Progress, as_json, backend_options, number, progress_of, whole
 from ._scenario import Scenario, Source, as_scenario
 from ._simulation import Simulation
+from .results import BackendName, FloatArray, Integrator, RapierOptions
 
 LARGEST = 1e60
 """Largest coordinate (m)."""
@@ -36,32 +38,32 @@ class Rollouts:
         self._data: Any = data
 
     @cached_property
-    def poses(self) -> np.ndarray:
+    def poses(self) -> FloatArray:
         """x, y (m, world) and heading (rad) of the load: (rollouts, periods + 1, 3)."""
         return np.asarray(self._data.column("poses"))
 
     @cached_property
-    def twists(self) -> np.ndarray:
+    def twists(self) -> FloatArray:
         """Velocity (m/s, world) and turn rate (rad/s) of the load: (rollouts, periods + 1, 3)."""
         return np.asarray(self._data.column("twists"))
 
     @cached_property
-    def pulls(self) -> np.ndarray:
+    def pulls(self) -> FloatArray:
         """Pulls on the tips (N, world): (rollouts, periods, springs, 2)."""
         return np.asarray(self._data.column("pulls"))
 
     @cached_property
-    def contact_forces(self) -> np.ndarray:
+    def contact_forces(self) -> FloatArray:
         """Forces of the obstacles on the load (N, world): (rollouts, periods, obstacles, 2)."""
         return np.asarray(self._data.column("contact_forces"))
 
     @cached_property
-    def statuses(self) -> np.ndarray:
+    def statuses(self) -> FloatArray:
         """How the steps ended, 0, 1 or 2: (rollouts, periods)."""
         return np.asarray(self._data.column("statuses"))
 
     @cached_property
-    def states(self) -> np.ndarray:
+    def states(self) -> FloatArray:
         """States at the end: (rollouts, numbers)."""
         return np.asarray(self._data.column("states"))
 
@@ -78,24 +80,24 @@ class Rollouts:
 
 def rollouts(
     scenario: Source,
-    backend: str = "quasi-static",
+    backend: BackendName = "quasi-static",
     *,
-    states: Any = None,
-    poses: Any = None,
-    tips: Any = None,
-    pushers: Mapping[int, Any] | None = None,
+    states: npt.ArrayLike | None = None,
+    poses: npt.ArrayLike | None = None,
+    tips: npt.ArrayLike | None = None,
+    pushers: Mapping[int, npt.ArrayLike] | None = None,
     n_periods: int | None = None,
     period_s: float | None = None,
-    seeds: Sequence[int] | np.ndarray | None = None,
+    seeds: Sequence[int] | npt.NDArray[np.integer[Any]] | None = None,
     threads: int | None = None,
-    progress: bool | Callable[[float], Any] | None = None,
+    progress: Progress = None,
     step_s: float | None = None,
     tolerance_m: float | None = None,
-    integrator: str | None = None,
+    integrator: Integrator | None = None,
     second_order: bool = False,
     rate_independent: bool = False,
-    no_skip: str | Sequence[str] | None = None,
-    rapier: Mapping[str, str] | None = None,
+    no_skip: NoSkip = None,
+    rapier: RapierOptions | None = None,
 ) -> Rollouts:
     """Runs many rollouts of a scene on all threads, without the interpreter's lock. Ctrl-C ends it.
 
@@ -133,22 +135,18 @@ def rollouts(
         if found := [name for name, value in others.items() if value is not None]:
             raise ValueError(f"seeds: must come without {', '.join(others)}, found {', '.join(found)}")
         asked_seeds = [whole(f"seeds[{at}]", seed) for at, seed in enumerate(np.asarray(seeds).ravel().tolist())]
+        if not asked_seeds:
+            raise ValueError("seeds: must have at least one seed, found none")
         periods = whole("n_periods", n_periods, 1) or max(1, round(given.duration_s / given.control_period_s))
-        show, end = progress_of(progress, "rollouts")
-        try:
+        with progress_of(progress, "rollouts") as show:
             return Rollouts(_native.seeded_rollouts(given._scene, options, asked_seeds, periods, n_threads, show))
-        finally:
-            end()
     call = _Call(given, Simulation(given, backend, step_s=step_s, tolerance_m=tolerance_m, rapier=rapier), states, poses, tips, pushers, n_periods)
-    show, end = progress_of(progress, "rollouts")
     period = number("period_s", period_s) or given.control_period_s
-    try:
+    with progress_of(progress, "rollouts") as show:
         data = _native.rollouts(
             given._scene, options, call.states.tobytes(), call.tips.tobytes(), call.steered, call.pushers.tobytes(),
             (call.n, call.n_periods), period, n_threads, show,
         )  # fmt: skip
-    finally:
-        end()
     return Rollouts(data)
 
 
@@ -165,7 +163,7 @@ class _Call:
         if self.steered and n_obstacles == 0:
             raise ValueError("pushers: must be obstacles of the scenario, found one in a scenario without")
         states = start if states is None else states
-        given: dict[str, tuple[np.ndarray, tuple[int | None, ...]]] = {"states": (_array("states", states), (start.size,))}
+        given: dict[str, tuple[FloatArray, tuple[int | None, ...]]] = {"states": (_array("states", states), (start.size,))}
         if poses is not None:
             given["poses"] = (_array("poses", poses), (3,))
         if tips is not None:
@@ -183,7 +181,7 @@ class _Call:
         if n_numbers > MOST_NUMBERS:
             raise ValueError(f"rollouts: must have at most {MOST_NUMBERS} numbers, found {n_numbers}")
 
-        def full(path: str, *shape: int) -> np.ndarray:
+        def full(path: str, *shape: int) -> FloatArray:
             return np.array(np.broadcast_to(given[path][0], (self.n, *shape)))
 
         self.states = full("states", start.size)
@@ -193,10 +191,10 @@ class _Call:
         shape = (self.n_periods, n_springs, 2)
         self.tips = np.array(np.broadcast_to(held, (self.n, *shape))) if tips is None else full("tips", *shape)
         each = [full(f"pushers[{obstacle}]", self.n_periods, 3) for obstacle in pushers or {}]
-        self.pushers: np.ndarray = np.stack(each, axis=2) if each else np.zeros(0)
+        self.pushers: FloatArray = np.stack(each, axis=2) if each else np.zeros(0)
 
 
-def _array(path: str, values: Any, *, may_be_nan: bool = False) -> np.ndarray:
+def _array(path: str, values: Any, *, may_be_nan: bool = False) -> FloatArray:
     try:
         array = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -210,7 +208,7 @@ def _array(path: str, values: Any, *, may_be_nan: bool = False) -> np.ndarray:
     return array
 
 
-def _check_shape(path: str, array: np.ndarray, shape: tuple[int | None, ...]) -> None:
+def _check_shape(path: str, array: FloatArray, shape: tuple[int | None, ...]) -> None:
     known = array.shape[-len(shape) :]
     fits = array.ndim in (len(shape), len(shape) + 1) and all(want in (None, size) for want, size in zip(shape, known))
     if not fits or 0 in array.shape[: array.ndim - len(shape) + (shape[0] is None)]:

@@ -5,14 +5,24 @@ from __future__ import annotations
 import html
 import json
 import os
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Iterator, Literal, Mapping, NamedTuple, Sequence, Union, cast, overload
 
 import numpy as np
 
 from . import _native
 from ._kept import Kept, kept, kept_trace
-from ._options import as_json, backend_options, progress_of, whole
+from ._options import NoSkip, Progress, as_json, backend_options, progress_of, whole
 from ._scenario import Source, as_scenario
+from .results import (
+    Account, Accuracy, BackendName, ContactCounts, Energy, Final, FloatArray, Format, InertiaEstimate, Integrator, PullForce, RapierOptions,
+    RapierUsed, RunResults, RunSteps, TraceColumn, Transition, TransitionCounts,
+)  # fmt: skip
+
+Tips = Union[Sequence[Sequence[float]], FloatArray]
+"""Positions (x, y) of all tips (m, world): a row for each spring."""
+Controller = Callable[[_native.View], Union[Tips, None]]
+"""A function that decides once in each control period: it returns the positions of all tips at its
+end, or ``None`` to hold them."""
 
 
 class Event(NamedTuple):
@@ -20,7 +30,7 @@ class Event(NamedTuple):
 
     time_s: float
     """Time of the event (s)."""
-    kind: str
+    kind: Literal["grasp", "release"]
     """``'grasp'`` or ``'release'``."""
     spring: int
     """Index of the spring."""
@@ -30,12 +40,15 @@ class Event(NamedTuple):
     """Position of the tip at that instant (m, world)."""
 
 
-class Table(Mapping[str, np.ndarray]):
+class Table(Mapping[str, "np.ndarray[Any, Any]"]):
     """Columns by name."""
 
     __slots__ = ()
 
-    def _flat(self) -> dict[str, np.ndarray]:
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+    def _flat(self) -> dict[str, np.ndarray[Any, Any]]:
         """Columns of one dimension."""
         return dict(self)
 
@@ -66,9 +79,9 @@ class Trace(Table):
 
     def __init__(self, data: _native.TraceData | Kept) -> None:
         self._data: Any = data
-        self._columns: dict[str, np.ndarray] = {}
+        self._columns: dict[str, FloatArray] = {}
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: TraceColumn) -> FloatArray:  # type: ignore[override]
         if not isinstance(name, str):
             raise TypeError(f"column: must be text, found {type(name).__name__}")
         if name not in self._columns:
@@ -89,11 +102,12 @@ class Trace(Table):
     def __reduce__(self) -> tuple[Any, ...]:
         return Trace, (kept_trace(self._data),)
 
-    def _flat(self) -> dict[str, np.ndarray]:
+    def _flat(self) -> dict[str, np.ndarray[Any, Any]]:
         """Columns of one dimension; those of springs are ``pull_x_0_n`` and so on."""
-        columns = {name: self[name] for name in self if self[name].ndim == 1}
+        found: Mapping[str, FloatArray] = self
+        columns = {name: found[name] for name in found if found[name].ndim == 1}
         for name, stem, unit in [("tips_m", "tip", "m"), ("pulls_n", "pull", "n"), ("obstacles", "obstacle", "m"), ("contact_forces_n", "contact_force", "n")]:
-            values = self[name]
+            values = found[name]
             if values.ndim == 3:
                 for spring in range(values.shape[1]):
                     columns[f"{stem}_x_{spring}_{unit}"] = values[:, spring, 0]
@@ -124,14 +138,10 @@ class Results(Mapping[str, Any]):
         return type(self), (self._kept(),)
 
     @property
-    def results(self) -> dict[str, Any]:
-        """All results, as the program prints them with ``--json``."""
-        return self._results
-
-    @property
     def answer(self) -> str:
         """What was found, in one or two sentences."""
-        return self._results["answer"]
+        answer: str = self._results["answer"]
+        return answer
 
     def report(self, path: str | os.PathLike[str] | None = None) -> str:
         """The HTML page with its replay, which is also written to ``path`` unless that is ``None``."""
@@ -150,17 +160,21 @@ class Results(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._results)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._results)
+
 
 class Run(Results):
-    """A finished run. As a mapping it has what ``cohaul run --json`` prints."""
+    """A finished run. As a mapping it has what ``cohaul run --json`` prints, a :class:`RunResults`."""
 
     _command = "cohaul.run"
     _data: Any
 
-    def __init__(self, data: _native.RunData | Kept, backend: str) -> None:
+    def __init__(self, data: _native.RunData | Kept, backend: BackendName) -> None:
         super().__init__(data)
-        self.backend = backend
-        self.trace = Trace(data.trace())
+        self.backend: BackendName = backend
+        """Name of the backend."""
+        self.trace: Trace = Trace(data.trace())
         """Columns over time; empty if no trace was kept."""
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -171,10 +185,59 @@ class Run(Results):
         found.answers["trace",] = kept_trace(self.trace._data)
         return Run, (found, self.backend)
 
+    @overload  # type: ignore[override]
+    def __getitem__(self, name: Literal["answer", "scenario"]) -> str: ...
+    @overload
+    def __getitem__(self, name: Literal["format"]) -> Format: ...
+    @overload
+    def __getitem__(self, name: Literal["backend"]) -> BackendName: ...
+    @overload
+    def __getitem__(self, name: Literal["step_s", "time_to_nest_s"]) -> float | None: ...
+    @overload
+    def __getitem__(self, name: Literal["mean_speed_m_per_s", "wall_s"]) -> float: ...
+    @overload
+    def __getitem__(self, name: Literal["seed"]) -> int: ...
+    @overload
+    def __getitem__(self, name: Literal["arrived"]) -> bool: ...
+    @overload
+    def __getitem__(self, name: Literal["integrator"]) -> Integrator: ...
+    @overload
+    def __getitem__(self, name: Literal["rapier"]) -> RapierUsed: ...
+    @overload
+    def __getitem__(self, name: Literal["account"]) -> Account: ...
+    @overload
+    def __getitem__(self, name: Literal["final"]) -> Final: ...
+    @overload
+    def __getitem__(self, name: Literal["pull_force_n"]) -> PullForce: ...
+    @overload
+    def __getitem__(self, name: Literal["energy"]) -> Energy: ...
+    @overload
+    def __getitem__(self, name: Literal["transitions"]) -> TransitionCounts: ...
+    @overload
+    def __getitem__(self, name: Literal["contacts"]) -> ContactCounts: ...
+    @overload
+    def __getitem__(self, name: Literal["accuracy"]) -> Accuracy: ...
+    @overload
+    def __getitem__(self, name: Literal["steps"]) -> RunSteps: ...
+    @overload
+    def __getitem__(self, name: Literal["inertia_estimate"]) -> InertiaEstimate: ...
+    def __getitem__(self, name: str) -> Any:
+        return self._results[name]
+
     @property
-    def energy(self) -> dict[str, Any]:
+    def results(self) -> RunResults:
+        """All results, as ``cohaul run --json`` prints them."""
+        return cast(RunResults, self._results)
+
+    @property
+    def final(self) -> Final:
+        """The load at the end."""
+        return self["final"]
+
+    @property
+    def energy(self) -> Energy:
         """Energy ledger at the end (J)."""
-        return self._results["energy"]
+        return self["energy"]
 
     @property
     def events(self) -> list[Event]:
@@ -182,9 +245,10 @@ class Run(Results):
         return [Event(*event) for event in self.trace._data.events()]
 
     @property
-    def transitions(self) -> list[dict[str, Any]]:
+    def transitions(self) -> list[Transition]:
         """Instants at which the motion of the load is not smooth."""
-        return json.loads(self.trace._data.transitions())
+        found: list[Transition] = json.loads(self.trace._data.transitions())
+        return found
 
     def to_pandas(self) -> Any:
         """The trace as a ``pandas.DataFrame``."""
@@ -196,7 +260,8 @@ class Run(Results):
 
     def overview(self) -> str:
         """Path, pulls, energy, heading and speed over time, as SVG."""
-        return self._data.overview()
+        picture: str = self._data.overview()
+        return picture
 
     def __repr__(self) -> str:
         return f"<Run of {self['scenario']!r} on {self.backend}: {self.answer}>"
@@ -208,20 +273,20 @@ class Run(Results):
 
 def run(
     scenario: Source,
-    backend: str = "quasi-static",
+    backend: BackendName = "quasi-static",
     *,
     step_s: float | None = None,
     tolerance_m: float | None = None,
     tolerance_rad: float | None = None,
     seed: int | None = None,
-    controller: Callable[[Any], Any] | None = None,
+    controller: Controller | None = None,
     trace: bool = True,
-    progress: bool | Callable[[float], Any] | None = None,
-    integrator: str | None = None,
+    progress: Progress = None,
+    integrator: Integrator | None = None,
     second_order: bool = False,
     rate_independent: bool = False,
-    no_skip: str | Sequence[str] | None = None,
-    rapier: Mapping[str, str] | None = None,
+    no_skip: NoSkip = None,
+    rapier: RapierOptions | None = None,
 ) -> Run:
     """Runs a scenario to its end, without the interpreter's lock. Ctrl-C ends it.
 
@@ -246,12 +311,8 @@ def run(
     if controller is not None and not callable(controller):
         raise TypeError(f"controller: must be a function, found {type(controller).__name__}")
     options = backend_options(backend, step_s, tolerance_m, tolerance_rad, integrator, second_order, rate_independent, no_skip, rapier)
-    show, end = progress_of(progress, backend)
-    try:
-        data = _native.run(scene, as_json(options), bool(trace), controller, show)
-    finally:
-        end()
-    return Run(data, backend)
+    with progress_of(progress, backend) as show:
+        return Run(_native.run(scene, as_json(options), bool(trace), controller, show), backend)
 
 
 def library(name: str, method: str) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Mapping, Union
+from typing import Any, Literal, Mapping, Union
 
 from . import _native
 from ._errors import ScenarioError
@@ -86,7 +86,7 @@ class Scenario:
         return self._scene.n_springs
 
     @property
-    def drive(self) -> str:
+    def drive(self) -> Literal["tips", "ants"]:
         """What moves the tips: ``'tips'`` or ``'ants'``."""
         return self._scene.drive
 
@@ -112,7 +112,8 @@ class Scenario:
 
     def to_dict(self, *, expanded: bool = True) -> dict[str, Any]:
         """The scenario as a dict, with all defaults and short forms filled in, or as written."""
-        return json.loads(self._scene.expanded() if expanded else as_json(self._written))
+        found: dict[str, Any] = json.loads(self._scene.expanded() if expanded else as_json(self._written))
+        return found
 
     def save(self, path: str | os.PathLike[str], *, expanded: bool = False) -> None:
         """Writes the scenario as JSON, as written or with all defaults filled in."""
@@ -163,7 +164,8 @@ def as_scenario(source: Source) -> Scenario:
 
 
 def _expanded(written: dict[str, Any], file: str) -> dict[str, Any]:
-    return json.loads(_native.Scene.parse(as_json(plain(written, file)), file).expanded())
+    found: dict[str, Any] = json.loads(_native.Scene.parse(as_json(plain(written, file)), file).expanded())
+    return found
 
 
 def _set(data: Any, path: str, value: Any) -> bool:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _native
-from ._options import as_json, backend_options
+from ._options import NoSkip, as_json, backend_options
 from ._scenario import Scenario, Source, as_scenario
+from .results import BackendName, FloatArray, Integrator, RapierOptions, SimulationEnergy, StepTotals
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -52,21 +54,21 @@ class Simulation(_native.Stepper):
     _options: dict[str, Any]
     scenario: Scenario
     """The scenario, whose load is moved."""
-    backend: str
+    backend: BackendName
     """Name of the backend."""
 
     def __new__(
         cls,
         scenario: Source,
-        backend: str = "quasi-static",
+        backend: BackendName = "quasi-static",
         *,
         step_s: float | None = None,
         tolerance_m: float | None = None,
-        integrator: str | None = None,
+        integrator: Integrator | None = None,
         second_order: bool = False,
         rate_independent: bool = False,
-        no_skip: str | Sequence[str] | None = None,
-        rapier: Mapping[str, str] | None = None,
+        no_skip: NoSkip = None,
+        rapier: RapierOptions | None = None,
     ) -> Self:
         given = as_scenario(scenario)
         options = backend_options(backend, step_s, tolerance_m, None, integrator, second_order, rate_independent, no_skip, rapier)
@@ -92,29 +94,30 @@ class Simulation(_native.Stepper):
         return int(self.obstacles.shape[0])
 
     @property
-    def state(self) -> np.ndarray:
+    def state(self) -> FloatArray:
         """The state as numbers, with the shape (7 + 3 springs + 4 obstacles,).
 
-        These are the time (s); x, y (m, world) and heading (rad) of the load; its velocity (m/s,
-        world) and turn rate (rad/s); for each spring 1 if it is attached or 0, and x and y of its
-        tip (m, world); for each obstacle 1 if it was steered or 0, and x, y (m, world) and heading
-        (rad).
+        Number 0 is the time (s). Numbers 1 to 3 are x, y (m, world) and heading (rad) of the load, 4
+        to 6 its velocity (m/s, world) and turn rate (rad/s). Each spring has three numbers: 1 if it
+        is attached or 0, and x and y of its tip (m, world). Each obstacle has four: 1 if it was
+        steered or 0, and x, y (m, world) and heading (rad).
 
         Setting it continues from there, also from numbers that were changed. The energy ledger then
-        begins anew, and so does what a solver keeps from step to step: two runs from one state are
-        equal to the bit, and differ from the run that went through it by rounding and, where the
-        forces on a load at rest are not unique, in these. :meth:`save` keeps all of it. An obstacle
+        begins anew, and so does what a solver keeps from step to step. Two runs from one state are
+        equal to the bit. They differ from the run that went through it by rounding, and in forces on
+        a load at rest where these are not unique. :meth:`save` keeps all of it. An obstacle
         that was not steered follows its path from the time of the state on. A spring that was wound
         by more than half a turn is attached unwound. Without inertia the twist is that of the last
         step, and is not read.
         """
-        return self.numbers()[0]
+        state: FloatArray = self.numbers()[0]
+        return state
 
     @state.setter
-    def state(self, state: Any) -> None:
+    def state(self, state: npt.ArrayLike) -> None:
         self.set_numbers("state", _bytes("state", state))
 
-    def set_pose(self, pose: Sequence[float] | np.ndarray) -> None:
+    def set_pose(self, pose: npt.ArrayLike) -> None:
         """Puts the load at rest at a pose (x, y in m, heading in rad, world).
 
         Tips and obstacles stay where they are. Otherwise it is as if :attr:`state` was set.
@@ -122,6 +125,9 @@ class Simulation(_native.Stepper):
         place = np.frombuffer(_bytes("pose", pose))
         if place.shape != (3,):
             raise ValueError(f"pose: must be three numbers (x, y, heading), found {place.size}")
+        if not np.isfinite(place).all():
+            at = int(np.argmin(np.isfinite(place)))
+            raise ValueError(f"pose[{at}]: must be finite, found {place[at]}")
         state = self.state.copy()
         state[1:4], state[4:7] = place, 0.0
         self.set_numbers("pose", state.tobytes())
@@ -130,20 +136,22 @@ class Simulation(_native.Stepper):
         return _restored, (self.scenario, self.backend, self._options, self.save())
 
     @property
-    def energy(self) -> dict[str, float]:
+    def energy(self) -> SimulationEnergy:
         """Energy ledger so far (J)."""
-        return json.loads(self.facts())["energy"]
+        found: SimulationEnergy = json.loads(self.facts())["energy"]
+        return found
 
     @property
-    def steps(self) -> dict[str, Any]:
+    def steps(self) -> StepTotals:
         """Counts and worst status of the steps so far."""
-        return json.loads(self.facts())["steps"]
+        found: StepTotals = json.loads(self.facts())["steps"]
+        return found
 
     def __repr__(self) -> str:
         return f"<Simulation of {self.scenario.name!r} on {self.backend} at {self.time_s:g} s>"
 
 
-def _restored(scenario: Scenario, backend: str, options: dict[str, Any], saved: str) -> Simulation:
+def _restored(scenario: Scenario, backend: BackendName, options: dict[str, Any], saved: str) -> Simulation:
     """A simulation that goes on from a saved state."""
     made = _native.Stepper.__new__(Simulation, scenario._scene, as_json(options))
     made.scenario, made.backend, made._options = scenario, backend, options

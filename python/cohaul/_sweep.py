@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import csv
 import io
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from typing import Any, Iterator, Mapping, Sequence, Union
 
 import numpy as np
 
 from . import _native
-from ._options import as_json, backend_options, number, plain, progress_of, texts, whole
+from ._options import Progress, as_json, backend_options, number, plain, progress_of, whole
 from ._run import Table
 from ._scenario import Source, as_scenario
+from .results import BackendName, Integrator, RapierOptions
+
+Values = Union[str, Sequence[Union[float, str]], "np.ndarray[Any, Any]"]
+"""Values of a parameter: a list of them, or a text such as ``log:1e-4:1e-2:7``."""
+Vary = Mapping[str, Values]
+"""Values of parameters by their paths."""
 
 
 class Sweep(Table):
@@ -22,15 +28,15 @@ class Sweep(Table):
     """
 
     def __init__(self, data: _native.SweepData) -> None:
-        self.csv = data.csv
+        self.csv: str = data.csv
         """The table as text, as ``cohaul sweep`` writes it."""
-        self.n_rows = data.n_rows
+        self.n_rows: int = data.n_rows
         """Number of runs (1)."""
         rows = list(csv.reader(io.StringIO(data.csv)))[1:]
         cells = list(zip(*rows)) if rows else [()] * len(data.columns)
         self._columns = {name: _column(kind, cells[at]) for at, (name, kind) in enumerate(data.columns)}
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> np.ndarray[Any, Any]:
         return self._columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -43,7 +49,7 @@ class Sweep(Table):
         return f"<Sweep: {self.n_rows} runs, {len(self)} columns>"
 
 
-def _column(kind: str, cells: Sequence[str]) -> np.ndarray:
+def _column(kind: str, cells: Sequence[str]) -> np.ndarray[Any, Any]:
     if kind == "word":
         return np.array(cells, dtype=object)
     if kind == "truth":
@@ -57,18 +63,18 @@ def _column(kind: str, cells: Sequence[str]) -> np.ndarray:
 
 def sweep(
     scenario: Source,
-    vary: Mapping[str, str | Sequence[Any]] | None = None,
+    vary: Vary | None = None,
     *,
     seeds: int = 1,
     seed: int | None = None,
-    backend: str | Sequence[str] = "quasi-static",
+    backend: BackendName | Sequence[BackendName] = "quasi-static",
     step_s: float | Sequence[float] | None = None,
     tolerance_m: float | None = None,
     sample: tuple[str, int] | tuple[str, int, int] | None = None,
-    integrator: str | None = None,
-    rapier: Mapping[str, str] | None = None,
+    integrator: Integrator | None = None,
+    rapier: RapierOptions | None = None,
     threads: int | None = None,
-    progress: bool | Callable[[float], Any] | None = None,
+    progress: Progress = None,
 ) -> Sweep:
     """Runs a scenario over parameters, backends and seeds, on all threads. Ctrl-C ends it.
 
@@ -88,7 +94,7 @@ def sweep(
     """
     given = as_scenario(scenario)
     steps: list[Any] = list(step_s) if isinstance(step_s, (list, tuple, np.ndarray)) else [step_s]
-    backends = texts("backend", backend)
+    backends: list[BackendName] = [backend] if isinstance(backend, str) else list(backend)
     if not backends or not steps:
         raise ValueError("backend, step_s: must name at least one backend and step, found none")
     axes = plain(dict(vary or {}), "vary")
@@ -99,19 +105,17 @@ def sweep(
         "first_seed": whole("seed", seed),
         "n_seeds": whole("seeds", seeds, 1),
     }
-    show, end = progress_of(progress, "sweep")
-    try:
-        return Sweep(_native.sweep(given._scene, as_json(plain(asked, "sweep")), whole("threads", threads, 1, 1024), show))
-    finally:
-        end()
+    n_threads = whole("threads", threads, 1, 1024)
+    with progress_of(progress, "sweep") as show:
+        return Sweep(_native.sweep(given._scene, as_json(plain(asked, "sweep")), n_threads, show))
 
 
 def _variant(
-    backend: str,
+    backend: BackendName,
     step_s: float | None,
     tolerance_m: float | None,
-    integrator: str | None,
-    rapier: Mapping[str, str] | None,
+    integrator: Integrator | None,
+    rapier: RapierOptions | None,
 ) -> dict[str, Any]:
     """Options of one backend; those that it does not read are left out, as in a run of its own."""
     return backend_options(

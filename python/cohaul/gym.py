@@ -23,20 +23,30 @@ Any scene can be used, here one with a disc that pushes the load:
 from __future__ import annotations
 
 import math
-from typing import Any, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Literal, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from ._draw import Painter, reach
 from ._options import number, whole
-from ._run import library
+from ._native import View
+from ._run import Controller, library
 from ._scenario import Scenario, Source
 from ._simulation import Simulation
 from ._tasks import DOORWAY, PAPER_LOAD, T_BLOCK
+from .results import BackendName, FloatArray
 
-gymnasium: Any = library("gymnasium", "cohaul.gym")
+if TYPE_CHECKING:
+    import gymnasium
+else:
+    gymnasium = library("gymnasium", "cohaul.gym")
 
-class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ignore]
+Action = npt.NDArray[np.float32]
+"""Velocities in units of the largest one, from -1 to 1."""
+
+
+class TransportEnv(gymnasium.Env[FloatArray, Action]):
     """A load that springs drag and obstacles push to a goal, on any backend.
 
     All springs are attached, undeformed, at the start. An action has a velocity for each tip in
@@ -44,9 +54,9 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
     it has the velocity of each of the ``pushers``, and its turn rate in units of
     ``max_turn_rate_rad_per_s``; other obstacles follow their paths.
 
-    An observation has the goal seen from the load (world), cosine and sine of the heading, the
-    twist of the load, the tips seen from the load (world), and the pulls on the tips over the sum of
-    all slip limits. Then it has, for each pusher, its position seen from the load (world), cosine
+    An observation has the goal seen from the load (world), cosine and sine of the heading, and the
+    twist of the load. The tips seen from the load (world) follow, and the pulls on them over the sum
+    of all slip limits. Then it has, for each pusher, its position seen from the load (world), cosine
     and sine of its heading, and its force on the load over the sum of all slip limits (world). With
     ``goal_heading_rad`` cosine and sine of the turn that is left are the last two. All numbers are
     near 1: the goal is in units of ``goal_distance_m``, other places in units of the reach of load
@@ -74,7 +84,7 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
     def __init__(
         self,
         scenario: Source | None = None,
-        backend: str = "quasi-static",
+        backend: BackendName = "quasi-static",
         *,
         goal_m: Sequence[float] | None = None,
         goal_heading_rad: float | None = None,
@@ -87,33 +97,38 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
         max_turn_rate_rad_per_s: float = 1.0,
         step_s: float | None = None,
         pushers: Sequence[int] = (),
-        reward: str = "dense",
+        reward: Literal["dense", "sparse"] = "dense",
         is_normalised: bool = True,
-        render_mode: str | None = None,
+        render_mode: Literal["rgb_array", "human"] | None = None,
     ) -> None:
         if reward not in ("dense", "sparse"):
             raise ValueError(f"reward: must be 'dense' or 'sparse', found {reward!r}")
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode: must be 'human', 'rgb_array' or None, found {render_mode!r}")
-        self.scenario = Scenario(PAPER_LOAD if scenario is None else scenario)
-        self.backend, self.step_s = backend, step_s
-        self.goal_m = None if goal_m is None else _place("goal_m", goal_m)
-        self.goal_heading_rad = number("goal_heading_rad", goal_heading_rad, positive=False)
-        self.goal_distance_m, self.goal_radius_m = _positive("goal_distance_m", goal_distance_m), _positive("goal_radius_m", goal_radius_m)
-        self.goal_angle_rad = _positive("goal_angle_rad", goal_angle_rad)
-        self.start_spread = np.array([start_spread_m, start_spread_m, start_spread_rad], dtype=float)
+        self.scenario: Scenario = Scenario(PAPER_LOAD if scenario is None else scenario)
+        self.backend: BackendName = backend
+        self.step_s: float | None = step_s
+        self.goal_m: FloatArray | None = None if goal_m is None else _place("goal_m", goal_m)
+        self.goal_heading_rad: float | None = number("goal_heading_rad", goal_heading_rad, positive=False)
+        self.goal_distance_m: float = _positive("goal_distance_m", goal_distance_m)
+        self.goal_radius_m: float = _positive("goal_radius_m", goal_radius_m)
+        self.goal_angle_rad: float = _positive("goal_angle_rad", goal_angle_rad)
+        self.start_spread: FloatArray = np.array([start_spread_m, start_spread_m, start_spread_rad], dtype=float)
         if not (np.isfinite(self.start_spread).all() and (self.start_spread >= 0.0).all()):
             raise ValueError(f"start_spread_m, start_spread_rad: must be numbers from 0, found {start_spread_m}, {start_spread_rad}")
-        self.max_speed_m_per_s = _positive("max_speed_m_per_s", max_speed_m_per_s)
-        self.max_turn_rate_rad_per_s = _positive("max_turn_rate_rad_per_s", max_turn_rate_rad_per_s)
-        self.reward, self.is_normalised, self.render_mode = reward, bool(is_normalised), render_mode
-        self.simulation = Simulation(self.scenario, backend, step_s=step_s)
+        self.max_speed_m_per_s: float = _positive("max_speed_m_per_s", max_speed_m_per_s)
+        self.max_turn_rate_rad_per_s: float = _positive("max_turn_rate_rad_per_s", max_turn_rate_rad_per_s)
+        self.reward: Literal["dense", "sparse"] = reward
+        self.is_normalised: bool = bool(is_normalised)
+        self.render_mode: str | None = render_mode
+        self.simulation: Simulation = Simulation(self.scenario, backend, step_s=step_s)
         most = self.simulation.n_obstacles - 1
-        self.pushers = [whole(f"pushers[{at}]", obstacle, 0, most) or 0 for at, obstacle in enumerate(pushers)]
+        self.pushers: list[int] = [whole(f"pushers[{at}]", obstacle, 0, most) or 0 for at, obstacle in enumerate(pushers)]
         n, n_pushers = self.scenario.n_springs, len(self.pushers)
         n_goal = 0 if self.goal_heading_rad is None else 2
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2 * n + 3 * n_pushers,), np.float32)
-        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (7 + 4 * n + 6 * n_pushers + n_goal,), np.float64)
+        self.action_space: gymnasium.spaces.Space[Action] = gymnasium.spaces.Box(-1.0, 1.0, (2 * n + 3 * n_pushers,), np.float32)
+        self._n_seen = 7 + 4 * n + 6 * n_pushers + n_goal
+        self.observation_space: gymnasium.spaces.Space[FloatArray] = gymnasium.spaces.Box(-np.inf, np.inf, (self._n_seen,), np.float64)
         self._data = self.scenario.to_dict()
         self._reach = reach(self._data)
         self._period = self.scenario.control_period_s
@@ -126,7 +141,7 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
         self._start_distance, self._left = 1.0, 1.0
         self._painter: Painter | None = None
 
-    def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[FloatArray, dict[str, Any]]:
         """Puts the load at its start and attaches all springs.
 
         :param options: for this episode: ``goal_m``, ``goal_heading_rad``, and ``pose``, where the
@@ -142,8 +157,7 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
         self._goal_heading = number("options.goal_heading_rad", heading, positive=False)
         self.simulation = Simulation(self.scenario, self.backend, step_s=self.step_s)
         self._start(None if pose is None else _place("options.pose", pose, 3))
-        for spring, tip in enumerate(_undeformed(self._data, self.simulation.pose)):
-            self.simulation.attach(spring, tip)
+        self._attach(self.simulation)
         place = np.array(self.simulation.pose[:2])
         angle = self.np_random.uniform(-math.pi, math.pi)
         away = self.goal_distance_m * np.array([math.cos(angle), math.sin(angle)])
@@ -156,22 +170,60 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
             self.render()
         return observation, info
 
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Action | FloatArray) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
         """Moves tips and pushers for one control period."""
         sim, before = self.simulation, self._left
-        n, period = 2 * sim.n_springs, self._period
-        moved = self._moves * np.minimum(np.maximum(action, -1.0), 1.0)
-        poses = sim.obstacles[self.pushers] + moved[n:].reshape(-1, 3) if self.pushers else ()
-        status = sim.advance(sim.tips + moved[:n].reshape(-1, 2), period, dict(zip(self.pushers, poses)))
-        observation, info = self._seen_now(status)
-        terminated = info["distance_m"] <= self.goal_radius_m and abs(info["turn_rad"]) <= self.goal_angle_rad
+        tips, pushers = self._commands(sim, action)
+        observation, info = self._seen_now(sim.advance(tips, self._period, pushers))
+        terminated = self._is_there(info)
         truncated = info["time_s"] >= self._last_time_s
         reward = (before - self._left) / self._start_distance if self.reward == "dense" else float(terminated)
         if self.render_mode == "human":
             self.render()
         return observation, reward, terminated, truncated, info
 
-    def render(self) -> np.ndarray | None:
+    def episode(self, policy: Callable[[FloatArray], Action | FloatArray], seed: int) -> tuple[Scenario, Callable[[int], Controller]]:
+        """An episode as a scenario and a maker of controllers, for :func:`cohaul.compare_controller`.
+
+        Start and goal are those of ``reset(seed=seed)``. The controller shows the policy what
+        :meth:`step` shows, and does what that does with its actions; it finishes at the goal. The
+        environment itself stays at that start.
+
+        :param policy: a function of an observation that returns an action
+
+        >>> env = TransportEnv(goal_m=(0.05, 0.0))
+        >>> scenario, make = env.episode(lambda seen: np.tile(seen[:2] / np.hypot(*seen[:2]), 4), seed=1)
+        >>> cohaul.run(scenario, "inertial", controller=make(1))["arrived"]
+        True
+        """
+        self.reset(seed=seed)
+        scene, start = self.scenario.to_dict(), self.simulation.pose
+        scene["load"]["position_m"], scene["load"]["heading_rad"] = list(start[:2]), start[2]
+        goal, heading = self._goal, self._goal_heading
+
+        def make(_: int) -> Controller:
+            def control(view: View) -> FloatArray:
+                if view.time_s == 0.0:
+                    self._attach(view)
+                observation, info = self._observed(view, goal, heading)
+                if self._is_there(info):
+                    view.finish()
+                    return view.tips
+                tips, pushers = self._commands(view, policy(observation))
+                for obstacle, pose in pushers.items():
+                    view.steer(obstacle, pose)
+                return tips
+
+            return control
+
+        return Scenario(scene), make
+
+    @property
+    def goal_now(self) -> FloatArray:
+        """Goal of this episode: x, y (m, world)."""
+        return self._goal.copy()
+
+    def render(self) -> npt.NDArray[np.uint8] | None:  # type: ignore[override, unused-ignore]
         """The picture as an array (height, width, 3) of bytes, or in a window."""
         if self.render_mode is None:
             return None
@@ -191,7 +243,7 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
         # A window stays where it is.
         return {**self.__dict__, "_painter": None}
 
-    def _start(self, pose: np.ndarray | None) -> None:
+    def _start(self, pose: FloatArray | None) -> None:
         """Puts the load where the episode starts, free of all obstacles."""
         given = np.array(self.simulation.pose)
         if pose is not None:
@@ -205,18 +257,35 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
                     continue
             raise ValueError("start_spread_m, start_spread_rad: must leave a start free of obstacles, found none in 100 draws")
 
-    def _seen_now(self, status: str) -> tuple[np.ndarray, dict[str, Any]]:
+    def _attach(self, sim: Simulation | View) -> None:
+        """Attaches all springs undeformed."""
+        for spring, tip in enumerate(_undeformed(self._data, sim.pose)):
+            sim.attach(spring, tip)
+
+    def _commands(self, sim: Simulation | View, action: Action | FloatArray) -> tuple[FloatArray, dict[int, FloatArray]]:
+        """Where an action sends all tips (m, world) and the pushers (m, m, rad)."""
+        n, moved = 2 * sim.n_springs, self._moves * np.minimum(np.maximum(action, -1.0), 1.0)
+        poses = sim.obstacles[self.pushers] + moved[n:].reshape(-1, 3) if self.pushers else ()
+        return sim.tips + moved[:n].reshape(-1, 2), dict(zip(self.pushers, poses))
+
+    def _is_there(self, info: Mapping[str, float]) -> bool:
+        return info["distance_m"] <= self.goal_radius_m and abs(info["turn_rad"]) <= self.goal_angle_rad
+
+    def _seen_now(self, status: str) -> tuple[FloatArray, dict[str, Any]]:
         """The observation, and what else is known; notes the distance that is left."""
-        sim = self.simulation
+        observation, info = self._observed(self.simulation, self._goal, self._goal_heading)
+        self._left = info["distance_m"] + self._reach * abs(info["turn_rad"])
+        return observation, {"status": status, **info}
+
+    def _observed(self, sim: Simulation | View, goal: FloatArray, goal_heading: float | None) -> tuple[FloatArray, dict[str, float]]:
+        """The observation, and time, distance and turn that is left."""
         x, y, heading = sim.pose
         u, v, w = sim.twist
-        far_x, far_y = float(self._goal[0]) - x, float(self._goal[1]) - y
-        turn = 0.0 if self._goal_heading is None else math.remainder(self._goal_heading - heading, 2.0 * math.pi)
-        off = math.hypot(far_x, far_y)
-        self._left = off + self._reach * abs(turn)
+        far_x, far_y = float(goal[0]) - x, float(goal[1]) - y
+        turn = 0.0 if goal_heading is None else math.remainder(goal_heading - heading, 2.0 * math.pi)
         far, length, speed = self._units
         n, place = sim.n_springs, (x, y)
-        seen = np.empty(self.observation_space.shape)
+        seen = np.empty(self._n_seen)
         seen[:7] = far_x / far, far_y / far, math.cos(heading), math.sin(heading), u / speed, v / speed, w * length / speed
         seen[7 : 7 + 2 * n] = ((sim.tips - place) / length).ravel()
         seen[7 + 2 * n : 7 + 4 * n] = sim.pulls.ravel() / self._slip_limit
@@ -225,11 +294,11 @@ class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ig
             directions = np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=1)
             of_pushers = np.hstack([(poses[:, :2] - place) / length, directions, forces / self._slip_limit])
             seen[7 + 4 * n : 7 + 4 * n + of_pushers.size] = of_pushers.ravel()
-        if self._goal_heading is not None:
+        if goal_heading is not None:
             seen[-2:] = math.cos(turn), math.sin(turn)
-        return seen, {"status": status, "time_s": sim.time_s, "distance_m": off, "turn_rad": turn}
+        return seen, {"time_s": sim.time_s, "distance_m": math.hypot(far_x, far_y), "turn_rad": turn}
 
-    def _seen(self) -> np.ndarray:
+    def _seen(self) -> FloatArray:
         """Places that a picture shows (m, world)."""
         sim = self.simulation
         corners = self._reach * np.array([[-1.0, -1.0], [1.0, 1.0]])
@@ -244,7 +313,7 @@ def _positive(path: str, value: float) -> float:
     return found
 
 
-def _place(path: str, value: Any, n: int = 2) -> np.ndarray:
+def _place(path: str, value: Any, n: int = 2) -> FloatArray:
     try:
         found = np.array(value, dtype=float)
     except (TypeError, ValueError):
@@ -254,7 +323,7 @@ def _place(path: str, value: Any, n: int = 2) -> np.ndarray:
     return found
 
 
-def _undeformed(scenario: Mapping[str, Any], pose: Sequence[float]) -> np.ndarray:
+def _undeformed(scenario: Mapping[str, Any], pose: Sequence[float]) -> FloatArray:
     """Tip of each undeformed spring of a load at a pose (m, world)."""
     (x, y, heading), tips = pose, []
     cos, sin = math.cos(heading), math.sin(heading)

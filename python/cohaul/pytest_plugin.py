@@ -17,6 +17,7 @@ import pytest
 
 from ._compare import Comparison, compare
 from ._scenario import Source
+from .results import QuantityVerdict
 
 TOLERANCES = {
     "path": "tolerance_share",
@@ -67,30 +68,29 @@ def _judge(scenario: Source, engine: Callable[[], Any] | None = None, **options:
         if options.setdefault(TOLERANCES[quantity], tolerance) != tolerance:
             raise ValueError(f"{quantity}: must have the tolerance of {TOLERANCES[quantity]}, found another one, {tolerance}")
     found = compare(scenario, engine=engine, **options)
-    faults = [fault for quantity in asked or ["path"] if (fault := _fault(quantity, found.verdicts.get(quantity)))]
+    verdicts: dict[str, Any] = {**found.verdicts}
+    faults = [fault for quantity in asked or ["path"] if (fault := _fault(quantity, verdicts.get(quantity)))]
     if faults:
         pytest.fail("\n".join([found.answer, *faults]), pytrace=False)
     return found
 
 
-def _fault(quantity: str, verdict: dict[str, Any] | None) -> str | None:
+def _fault(quantity: str, verdict: QuantityVerdict | None) -> str | None:
     """What is wrong with the verdict on a quantity, if anything is."""
     if verdict is None or quantity not in ("path", "heading") and not verdict.get("measures"):
         return f"{quantity}: not compared; the engine does not compute it, or the scene does not have it"
     if verdict["engine"] == "within":
         return None
-    unit, decided = verdict.get("unit", ""), f"the {quantity}"
+    unit, decided, numbers = verdict["unit"], f"the {quantity}", {**verdict}
     if verdict.get("measures"):
         # The number that is worst for the engine need not be the one that decides on inertia.
-        verdict = {**verdict, **max(verdict["measures"], key=lambda of: of["engine_error"] / of["tolerance"])}
-        decided = verdict["name"]
-    numbers = [f"{name.replace('_', ' ')} {_shown(verdict, name, unit)}" for name in ("engine_error", "tolerance", "reference_error")]
-    parts = verdict.get("parts", {})
-    split = [f"{name.replace('_', ' ')} {_shown(parts, name, unit)}" for name in ("time_step", "engine_model") if name in parts]
+        worst = max(verdict["measures"], key=lambda of: of["engine_error"] / of["tolerance"])
+        numbers, decided = {**worst}, worst["name"]
+    shown = [f"{name.replace('_', ' ')} {_shown(numbers, name, unit)}" for name in ("engine_error", "tolerance", "reference_error")]
+    split = [f"{name.replace('_', ' ')} {_shown(numbers['parts'], name, unit)}" for name in ("time_step", "engine_model")]
     is_open = ", and it is open which is larger" if verdict["engine"] == "open" else ""
-    return f"{quantity}: {', '.join(numbers)}{is_open} ({decided}; {', '.join(split)})"
+    return f"{quantity}: {', '.join(shown)}{is_open} ({decided}; {', '.join(split)})"
 
 
-def _shown(numbers: dict[str, Any], name: str, unit: str) -> str:
-    value = numbers.get(name)
-    return "unknown" if value is None else f"{value:.4g} {unit}".strip()
+def _shown(numbers: Any, name: str, unit: str) -> str:
+    return f"{numbers[name]:.4g} {unit}".strip()

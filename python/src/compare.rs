@@ -13,6 +13,7 @@ use cohaul_engines::engine::Open;
 use cohaul_report::chart::{self, Labelled};
 use cohaul_report::json;
 use cohaul_report::manifest::{Libraries, Manifest};
+use cohaul_studies::compare::beside::recorded_path;
 use cohaul_studies::compare::comparison::{self, Refusal, Tiers};
 use cohaul_studies::compare::files::write_comparison;
 use cohaul_studies::compare::page::{comparison_page, scene_of};
@@ -22,8 +23,8 @@ use pyo3::prelude::*;
 use crate::controller::Makers;
 use crate::engine::Asked;
 use crate::measure::{self, Measure};
-use crate::options::{AskedComparison, named, read, refused};
-use crate::scene::Scene;
+use crate::options::{AskedComparison, read, refused};
+use crate::scene::{Scene, faults};
 use crate::trace::TraceData;
 use crate::work::{Watch, computed, pool};
 
@@ -37,9 +38,10 @@ pub struct Comparison {
 }
 
 /// Compares the backends on a scenario, in the tiers asked for or in all that it has. `controller`
-/// is a function that makes a controller for a seed, `measure` one of a trace.
+/// is a function that makes a controller for a seed, `measure` one of a trace, and `beside` the
+/// name and the text of a table with a path recorded elsewhere.
 #[pyfunction]
-#[pyo3(signature = (scene, settings, tiers, n_seeds, controller, measure, engines, threads, progress))]
+#[pyo3(signature = (scene, settings, tiers, n_seeds, controller, measure, engines, beside, threads, progress))]
 #[expect(clippy::too_many_arguments, reason = "Python names them")]
 pub fn compare(
     py: Python,
@@ -50,6 +52,7 @@ pub fn compare(
     controller: Option<Py<PyAny>>,
     measure: Option<measure::Asked>,
     engines: Vec<Py<PyAny>>,
+    beside: Option<(String, String)>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Comparison> {
@@ -61,6 +64,7 @@ pub fn compare(
     if n_seeds == 0 || n_seeds > 1_000_000 || scenario.seed.checked_add(n_seeds as u64 - 1).is_none() {
         return Err(refused("seeds", "must be from 1 to 1000000, and the last seed below 2^64", n_seeds));
     }
+    let recorded = beside.as_ref().map(|(name, text)| recorded_path(text, name).map_err(faults)).transpose()?;
     let (makers, measure) = (controller.map(Makers::new), measure.map(|asked| Measure::new(asked, &scenario)));
     let threads = pool(threads)?;
     let (started, clock) = (SystemTime::now(), Instant::now());
@@ -89,7 +93,10 @@ pub fn compare(
     // Only an interrupt stops a comparison, and that is an exception already.
     let (found, others) = found.expect("the comparison ended");
     let found = comparison::Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
-    let found = found.with_other_engines(others, Refusal::of(&refused_by));
+    let mut found = found.with_other_engines(others, Refusal::of(&refused_by));
+    if let (Some((name, _)), Some(path)) = (&beside, recorded) {
+        found.lay_beside(name, path).map_err(|rule| PyValueError::new_err(format!("beside: {rule}")))?;
+    }
     json::check(&found).map_err(|error| PyArithmeticError::new_err(error.to_string()))?;
     Ok(Comparison { scenario, settings, found, started })
 }
@@ -114,9 +121,15 @@ fn asked(names: &[String], scenario: &Scenario, [has_controller, has_engine]: [b
     }
 }
 
-/// The tier of a name. Files and the program have no `controlled` one.
+/// The tier of a name.
 fn tier_named(path: &str, name: &str) -> PyResult<Tier> {
-    if name == "controlled" { Ok(Tier::Controlled) } else { named(path, name) }
+    match name {
+        "prescribed" => Ok(Tier::Prescribed),
+        "replayed" => Ok(Tier::Replayed),
+        "controlled" => Ok(Tier::Controlled),
+        "closed-loop" | "closed_loop" => Ok(Tier::ClosedLoop),
+        _ => Err(refused(path, "must be prescribed, replayed, controlled or closed-loop", format!("{name:?}"))),
+    }
 }
 
 /// What may be written in Python.

@@ -10,8 +10,8 @@ use cohaul::simulation::{self, Commands, Controller, Event, EventKind};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::points::{point, point_array, points};
-use crate::seen::{Contact, Seen, check_obstacle};
+use crate::points::{index, point, point_array, points};
+use crate::seen::{Contact, Seen};
 
 /// A Python function that decides, and the first exception that it raised.
 pub struct Written {
@@ -289,8 +289,8 @@ impl View {
 
     /// Sends an obstacle straight to `pose` (x, y in m, heading in rad, world) by the end of the
     /// control period. It leaves the path of the scenario for good.
-    fn steer(&mut self, obstacle: usize, pose: &Bound<PyAny>) -> PyResult<()> {
-        check_obstacle(obstacle, self.seen.obstacles.len())?;
+    fn steer(&mut self, obstacle: &Bound<PyAny>, pose: &Bound<PyAny>) -> PyResult<()> {
+        let obstacle = index(obstacle, "obstacle", self.seen.obstacles.len())?;
         if self.pushers.iter().any(|other| other.obstacle == obstacle) {
             return Err(PyValueError::new_err(format!("obstacle: must be steered once at an instant, found {obstacle} again")));
         }
@@ -299,9 +299,8 @@ impl View {
     }
 
     /// Attaches a free spring with its tip at `tip` (m, world).
-    fn attach(&mut self, spring: usize, tip: &Bound<PyAny>) -> PyResult<()> {
-        let tip = point(tip)?;
-        must_be(&self.tips, spring, false)?;
+    fn attach(&mut self, spring: &Bound<PyAny>, tip: &Bound<PyAny>) -> PyResult<()> {
+        let (tip, spring) = (point(tip)?, must_be(&self.tips, spring, false)?);
         self.once(spring)?;
         self.tips[spring] = Some(tip);
         self.events.push((EventKind::Grasp, spring));
@@ -309,8 +308,8 @@ impl View {
     }
 
     /// Releases an attached spring.
-    fn release(&mut self, spring: usize) -> PyResult<()> {
-        must_be(&self.tips, spring, true)?;
+    fn release(&mut self, spring: &Bound<PyAny>) -> PyResult<()> {
+        let spring = must_be(&self.tips, spring, true)?;
         self.once(spring)?;
         self.tips[spring] = None;
         self.pulls[spring] = Vec2::zeros();
@@ -333,14 +332,15 @@ impl View {
     }
 }
 
+/// The index of a spring that is attached, or is not.
+///
 /// # Errors
 /// When there is no such spring, or it is attached and must not be, or the reverse.
-pub fn must_be(tips: &[Option<Vec2>], spring: usize, attached: bool) -> PyResult<()> {
-    let n = tips.len();
-    let tip = tips.get(spring).ok_or_else(|| PyValueError::new_err(format!("spring: must be below {n}, found {spring}")))?;
-    match (tip.is_some(), attached) {
+pub fn must_be(tips: &[Option<Vec2>], spring: &Bound<PyAny>, attached: bool) -> PyResult<usize> {
+    let spring = index(spring, "spring", tips.len())?;
+    match (tips[spring].is_some(), attached) {
         (true, false) => Err(PyValueError::new_err(format!("spring: must be free, found {spring}, which is attached"))),
         (false, true) => Err(PyValueError::new_err(format!("spring: must be attached, found {spring}, which is free"))),
-        _ => Ok(()),
+        _ => Ok(spring),
     }
 }

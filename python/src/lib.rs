@@ -19,14 +19,18 @@
 //! conformance.rs questions with closed answers
 //! measured.rs    measured runs beside simulated ones
 //! sweep.rs       many runs on all threads
+//! maps.rs        maps of comparisons, and thresholds
+//! check.rs       stored baselines
 //! ```
 #![deny(unsafe_code)]
 
+mod check;
 mod compare;
 mod conformance;
 mod controller;
 mod engine;
 mod import;
+mod maps;
 mod measure;
 mod measured;
 mod options;
@@ -47,6 +51,8 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
+    use super::check::{Check, check, store_baseline};
+    #[pymodule_export]
     use super::compare::{Comparison, compare};
     #[pymodule_export]
     use super::conformance::{Conformance, conformance};
@@ -54,6 +60,8 @@ mod _native {
     use super::controller::View;
     #[pymodule_export]
     use super::import::{Import, import_scenario};
+    #[pymodule_export]
+    use super::maps::{MapData, ThresholdData, compare_map, threshold};
     #[pymodule_export]
     use super::measured::{Measured, measured};
     #[pymodule_export]

@@ -4,7 +4,9 @@ use cohaul::math::Vec2;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::GILOnceCell;
-use pyo3::types::{PyBytes, PyList, PyTuple};
+use pyo3::types::{PyBool, PyBytes, PyList, PyTuple};
+
+use crate::options::refused;
 
 /// Largest coordinate (m): beyond it, squares of distances are no longer finite.
 pub const LARGEST: f64 = 1e60;
@@ -43,6 +45,21 @@ pub fn point(value: &Bound<PyAny>) -> PyResult<Vec2> {
     let position = pair(list.as_ref().unwrap_or(value), || "tip".to_owned())?;
     finite(&position, || "tip".to_owned())?;
     Ok(position)
+}
+
+/// An index below `n` of what `path` names.
+///
+/// # Errors
+/// When it is no whole number, or there is none of this index.
+pub fn index(value: &Bound<PyAny>, path: &str, n: usize) -> PyResult<usize> {
+    if value.is_instance_of::<PyBool>() || !value.hasattr("__index__")? {
+        return Err(not_a(path, "a whole number", value));
+    }
+    match value.extract::<usize>() {
+        Ok(index) if index < n => Ok(index),
+        _ if n == 0 => Err(refused(path, "must be one of the scenario, which has none", value)),
+        _ => Err(refused(path, &format!("must be from 0 to {}", n - 1), value)),
+    }
 }
 
 /// The entries of an array as a list; `None` for anything else, which is read as it is.

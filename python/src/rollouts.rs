@@ -109,7 +109,7 @@ impl Commands {
     fn rollout(&self, scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, which: usize) -> Result<Shown, String> {
         let Sizes { n_periods, n_springs, n_obstacles, n_numbers, .. } = *sizes;
         let numbers = &self.states[which * n_numbers..(which + 1) * n_numbers];
-        let mut state = State::of_numbers(scenario, options, numbers).map_err(|what| format!("states[{which}]: {what}"))?;
+        let mut state = State::of_numbers(scenario, options, &format!("states[{which}]"), numbers)?;
         let mut shown = Shown::new(sizes);
         let motion = state.backend.motion();
         shown.show_motion(0, &motion.pose, &motion.twist);

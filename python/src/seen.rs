@@ -7,7 +7,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::points::{LARGEST, array_of, point_array};
+use crate::points::{LARGEST, array_of, index, point_array};
 
 /// A contact for Python: obstacle, point (m, world) and force on the load (N, world).
 pub type Contact = (usize, (f64, f64), (f64, f64));
@@ -76,12 +76,6 @@ pub fn pose(value: &Bound<PyAny>, path: &str) -> PyResult<Pose> {
     }
 }
 
-/// # Errors
-/// When there is no obstacle of this index among `n`.
-pub fn check_obstacle(obstacle: usize, n: usize) -> PyResult<()> {
-    if obstacle < n { Ok(()) } else { Err(PyValueError::new_err(format!("obstacle: must be below {n}, found {obstacle}"))) }
-}
-
 /// Reads the poses of a mapping from obstacles, of which there are `n`.
 ///
 /// # Errors
@@ -89,10 +83,7 @@ pub fn check_obstacle(obstacle: usize, n: usize) -> PyResult<()> {
 pub fn pushers(value: Option<&Bound<PyDict>>, n: usize) -> PyResult<Vec<ObstaclePose>> {
     let Some(given) = value else { return Ok(Vec::new()) };
     let read = |(obstacle, value): (Bound<PyAny>, Bound<PyAny>)| {
-        let obstacle = obstacle
-            .extract::<usize>()
-            .map_err(|_| PyTypeError::new_err(format!("pushers: must be a mapping from indices of obstacles, found the key {obstacle}")))?;
-        check_obstacle(obstacle, n)?;
+        let obstacle = index(&obstacle, "pushers: obstacle", n)?;
         Ok(ObstaclePose { obstacle, pose: pose(&value, &format!("pushers[{obstacle}]"))? })
     };
     given.iter().map(read).collect()

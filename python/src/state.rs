@@ -120,17 +120,22 @@ impl State {
         numbers
     }
 
-    /// A load in the state of these numbers. Its energy ledger begins anew.
+    /// A load in the state of these numbers, which errors call `path`. Its energy ledger begins
+    /// anew.
     ///
     /// # Errors
     /// When the numbers are those of no state, or the load lies inside an obstacle.
-    pub fn of_numbers(scenario: &Scenario, options: &BackendOptions, numbers: &[f64]) -> Result<Self, String> {
+    pub fn of_numbers(scenario: &Scenario, options: &BackendOptions, path: &str, numbers: &[f64]) -> Result<Self, String> {
+        if let Some((at, number)) = numbers.iter().enumerate().find(|(_, number)| number.is_nan() || number.abs() > LARGEST) {
+            return Err(format!("{path}[{at}]: must be finite and at most {LARGEST:e} in size, found {number}"));
+        }
+        Self::of_finite(scenario, options, numbers).map_err(|what| format!("{path}: {what}"))
+    }
+
+    fn of_finite(scenario: &Scenario, options: &BackendOptions, numbers: &[f64]) -> Result<Self, String> {
         let n = n_numbers(scenario);
         if numbers.len() != n {
             return Err(format!("must have {n} numbers, found {}", numbers.len()));
-        }
-        if let Some((at, number)) = numbers.iter().enumerate().find(|(_, number)| number.is_nan() || number.abs() > LARGEST) {
-            return Err(format!("must have finite numbers of at most {LARGEST:e} in size, found {number} at {at}"));
         }
         let time = numbers[0];
         if time < 0.0 {

@@ -17,10 +17,13 @@ use crate::points::{array_of, numbers, point, point_array, points};
 use crate::scene::Scene;
 use crate::seen::{Contact, Seen};
 use crate::state::{State, n_numbers};
-use crate::work::{guarded, internal};
+use crate::work::{computed, guarded, internal};
 
-/// Most steps in one advance (1): interrupts are handled between two of them.
+/// Most steps in one advance (1).
 const MOST_STEPS: f64 = 1e5;
+/// Most steps in an advance that does not hear interrupts (1): starting a thread and saving the
+/// state would take longer than they do.
+const MOST_UNHEARD: f64 = 500.0;
 /// Longest time of one advance under error control (s), which chooses its steps.
 const LONGEST: f64 = 1e3;
 
@@ -60,6 +63,46 @@ impl Stepper {
         }
     }
 
+    /// Whether an advance may take so long that it has to hear interrupts.
+    fn lasts(&self, duration_s: f64) -> bool {
+        let most = if self.options.tolerance.is_some() { self.scenario.control_period } else { MOST_UNHEARD * self.options.step_s };
+        duration_s > most
+    }
+
+    /// Does what changes the state. An interrupt ends it in its midst, and puts the state back.
+    fn undone_by_interrupt<T: Send>(&self, py: Python, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
+        let before = self.saved()?;
+        computed(py, None, |_watch| work()).unwrap_or_else(|interrupt| {
+            // What was stopped has left its lock as after a panic.
+            self.state.clear_poison();
+            self.put(&before)?;
+            Err(interrupt)
+        })
+    }
+
+    /// Complete state.
+    fn saved(&self) -> PyResult<Saved> {
+        let saved = self.with(|state| {
+            let backend = state.backend.save()?;
+            let (time_s, totals, tips, is_steered) = (state.time, state.totals, state.tips.clone(), state.is_steered.clone());
+            Ok(Saved { scenario_hash: self.scenario.hash(), options: self.options, time_s, totals, tips, is_steered, backend })
+        })?;
+        saved.map_err(|error: cohaul::backend::SaveError| PyRuntimeError::new_err(error.to_string()))
+    }
+
+    /// Continues from a state. One that does not fit leaves this one as it is.
+    fn put(&self, saved: &Saved) -> PyResult<()> {
+        let mut state = guarded(|| State::new(&self.scenario, &self.options)).map_err(internal)?;
+        guarded(|| state.backend.restore(&saved.backend)).map_err(internal)?.map_err(|error| unfit(error.to_string()))?;
+        if (0..saved.tips.len()).any(|spring| state.backend.tip(spring).is_some() != saved.tips[spring].is_some()) {
+            return Err(unfit("its tips are not those of its load".to_owned()));
+        }
+        (state.time, state.totals) = (saved.time_s, saved.totals);
+        (state.tips, state.is_steered) = (saved.tips.clone(), saved.is_steered.clone());
+        *self.state()? = state;
+        Ok(())
+    }
+
     fn seen(&self) -> PyResult<Seen> {
         self.with(|state| state.seen(&self.scenario))
     }
@@ -85,21 +128,21 @@ impl Stepper {
     }
 
     /// Attaches a free spring with its tip at `tip` (m, world).
-    fn attach(&self, spring: usize, tip: &Bound<PyAny>) -> PyResult<()> {
-        let tip = point(tip)?;
-        must_be(&self.state()?.tips, spring, false)?;
+    fn attach(&self, spring: &Bound<PyAny>, tip: &Bound<PyAny>) -> PyResult<()> {
+        let (tip, spring) = (point(tip)?, must_be(&self.state()?.tips, spring, false)?);
         self.with(|state| state.attach(spring, tip))
     }
 
     /// Releases an attached spring, which relaxes at once.
-    fn release(&self, spring: usize) -> PyResult<()> {
-        must_be(&self.state()?.tips, spring, true)?;
+    fn release(&self, spring: &Bound<PyAny>) -> PyResult<()> {
+        let spring = must_be(&self.state()?.tips, spring, true)?;
         self.with(|state| state.release(spring))
     }
 
     /// Moves all tips straight to `tips` (m, world, one entry a spring), and the obstacles of
     /// `pushers` straight to their poses (x, y in m, heading in rad, world), within a time (s).
-    /// Returns how the steps ended: `converged`, `not_converged` or `failed`.
+    /// Returns how the steps ended: `converged`, `not_converged` or `failed`. An interrupt leaves
+    /// all as it was before.
     #[pyo3(signature = (tips, duration_s, pushers=None))]
     fn advance(&self, py: Python, tips: &Bound<PyAny>, duration_s: f64, pushers: Option<&Bound<PyDict>>) -> PyResult<&'static str> {
         let most = if self.options.tolerance.is_some() { LONGEST } else { MOST_STEPS * self.options.step_s };
@@ -112,32 +155,25 @@ impl Stepper {
             (std::mem::take(&mut state.targets), state.tips.iter().map(Option::is_some).collect::<Vec<_>>())
         };
         points(tips, attached.len(), &mut targets, |spring| attached[spring])?;
-        let report = py.allow_threads(|| {
+        let advance = || {
             self.with(|state| {
                 state.targets = targets;
                 let report = state.advance(&self.scenario, &pushers, duration_s);
                 state.totals.add(&report);
                 report
             })
-        })?;
+        };
+        let report = if self.lasts(duration_s) { self.undone_by_interrupt(py, advance) } else { py.allow_threads(advance) }?;
         Ok(name_of(report.status))
     }
 
     /// Complete state as text, from which `load` continues bit for bit.
     fn save(&self) -> PyResult<String> {
-        let saved = self.with(|state| {
-            let backend = state.backend.save()?;
-            let (time_s, totals, tips, is_steered) = (state.time, state.totals, state.tips.clone(), state.is_steered.clone());
-            Ok(Saved { scenario_hash: self.scenario.hash(), options: self.options, time_s, totals, tips, is_steered, backend })
-        })?;
-        let saved = saved.map_err(|error: cohaul::backend::SaveError| PyRuntimeError::new_err(error.to_string()))?;
-        serde_json::to_string(&saved).map_err(|error| internal(error.to_string()))
+        serde_json::to_string(&self.saved()?).map_err(|error| internal(error.to_string()))
     }
 
     /// Continues from a state that `save` returned for this scenario and these options.
     fn load(&self, text: &str) -> PyResult<()> {
-        let unfit =
-            |why: String| PyValueError::new_err(format!("state: must be one that save() returned for this scenario and backend: {why}"));
         let saved: Saved = serde_json::from_str(text).map_err(|error| unfit(error.to_string()))?;
         let hash = self.scenario.hash();
         if saved.scenario_hash != hash {
@@ -149,15 +185,7 @@ impl Stepper {
         {
             return Err(unfit("it has other options, springs or obstacles".to_owned()));
         }
-        // A state that does not fit leaves this one as it is.
-        let mut state = guarded(|| State::new(&self.scenario, &self.options)).map_err(internal)?;
-        guarded(|| state.backend.restore(&saved.backend)).map_err(internal)?.map_err(|error| unfit(error.to_string()))?;
-        if (0..saved.tips.len()).any(|spring| state.backend.tip(spring).is_some() != saved.tips[spring].is_some()) {
-            return Err(unfit("its tips are not those of its load".to_owned()));
-        }
-        (state.time, state.totals, state.tips, state.is_steered) = (saved.time_s, saved.totals, saved.tips, saved.is_steered);
-        *self.state()? = state;
-        Ok(())
+        self.put(&saved)
     }
 
     /// The state as numbers.
@@ -169,8 +197,8 @@ impl Stepper {
     /// Continues from a state of numbers, in the memory of an array.
     fn set_numbers(&self, path: &str, bytes: &[u8]) -> PyResult<()> {
         let numbers = numbers(bytes);
-        let made = guarded(|| State::of_numbers(&self.scenario, &self.options, &numbers)).map_err(internal)?;
-        let made = made.map_err(|what| PyValueError::new_err(format!("{path}: {what}")))?;
+        let made = guarded(|| State::of_numbers(&self.scenario, &self.options, path, &numbers)).map_err(internal)?;
+        let made = made.map_err(PyValueError::new_err)?;
         *self.state()? = made;
         Ok(())
     }
@@ -249,6 +277,10 @@ impl Stepper {
         });
         serde_json::to_string(&serde_json::json!({ "energy": energy, "steps": totals })).map_err(|error| internal(error.to_string()))
     }
+}
+
+fn unfit(why: String) -> PyErr {
+    PyValueError::new_err(format!("state: must be one that save() returned for this scenario and backend: {why}"))
 }
 
 const fn name_of(status: Status) -> &'static str {

@@ -106,7 +106,11 @@ fn plan(scene: &Scene, asked: AskedSweep) -> PyResult<Plan> {
     }
 }
 
-fn axis(path: &str, values: Value) -> Result<Axis, SweepError> {
+/// Values of one parameter: a list, or a text such as `log:1e-4:1e-2:7`.
+///
+/// # Errors
+/// When they are no values.
+pub fn axis(path: &str, values: Value) -> Result<Axis, SweepError> {
     match values {
         Value::String(spec) => Axis::new(path, &spec),
         Value::Array(values) => {
@@ -122,7 +126,8 @@ fn axis(path: &str, values: Value) -> Result<Axis, SweepError> {
     }
 }
 
-fn refusal(error: SweepError) -> PyErr {
+/// The exception for an error of a sweep.
+pub fn refusal(error: SweepError) -> PyErr {
     match error {
         SweepError::Scenario(error) => faults(error),
         SweepError::Axis { .. } | SweepError::Point { .. } => PyValueError::new_err(error.to_string()),

@@ -130,3 +130,21 @@ def test_wrong_arguments_are_refused(arguments, error, rule):
 def test_wrong_options_are_refused(options, rule):
     with pytest.raises(ValueError, match=rule):
         TransportEnv().reset(options=options)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_episode_is_a_scenario_and_a_controller(name):
+    """The same motion in the environment and under a run's controller, but for the rounding of times."""
+    for backend in cohaul.BACKENDS:
+        env = gymnasium.make(f"cohaul/{name}-v0", backend=backend).unwrapped
+        weights = np.random.default_rng(5).normal(0.0, 0.4, (env.action_space.shape[0], env.observation_space.shape[0]))
+        policy = lambda seen: np.tanh(weights @ seen)  # noqa: E731, B023
+        scenario, make = env.episode(policy, seed=3)
+        short = scenario.replace(duration_s=30 * scenario.control_period_s)
+        run = cohaul.run(short, backend, controller=make(3))
+        observation, _ = env.reset(seed=3)
+        for row in range(run.trace.n_rows - 1):
+            pose = [run.trace[column][row] for column in ("x_m", "y_m", "heading_rad")]
+            assert np.allclose(env.simulation.pose, pose, rtol=0.0, atol=1e-9), (backend, row)
+            observation, *_ = env.step(policy(observation))
+        assert run.trace.n_rows > 20 and (name == "PushT" or pose[0] != run.trace["x_m"][0])

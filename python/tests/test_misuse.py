@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gc
+import json
 import os
+import pickle
 import random
 import signal
 import subprocess
@@ -16,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, SCENES
 
 import cohaul
 
@@ -73,7 +75,7 @@ def test_calls_in_the_wrong_order_name_the_spring(pulled: Path) -> None:
     sim.attach(0, (0.0, 0.0))
     for call, message in [
         (lambda: sim.attach(0, (0.0, 0.0)), "must be free, found 0"),
-        (lambda: sim.attach(1, (0.0, 0.0)), "must be below 1, found 1"),
+        (lambda: sim.attach(1, (0.0, 0.0)), "must be from 0 to 0, found 1"),
         (lambda: sim.advance([(0.0, float("nan"))], 1e-3), r"tips\[0\]: must be finite"),
         (lambda: sim.advance([], 1e-3), "one point .* for each of the 1 springs, found 0"),
         (lambda: sim.advance([(0.0, 0.0)], 0.0), "duration_s: must be above 0"),
@@ -196,3 +198,129 @@ def test_a_forked_process_computes_too(pulled: Path) -> None:
     if ended == (0, 0):
         os.kill(child, signal.SIGKILL)
     assert ended[1] == 0
+
+
+@pytest.mark.parametrize("index", [-1, 1, 10**30, np.int64(-1)])
+def test_indices_that_are_none_are_named(pulled: Path, index: Any) -> None:
+    sim = cohaul.Simulation(pulled)
+    pusher = cohaul.Simulation(SCENES / "contact/pusher.json")
+    with pytest.raises(ValueError, match=f"spring: must be from 0 to 0, found {int(index)}"):
+        sim.attach(index, (0.0, 0.0))
+    with pytest.raises(ValueError, match=f"spring: must be from 0 to 0, found {int(index)}"):
+        sim.release(index)
+    with pytest.raises(ValueError, match=f"pushers: obstacle: must be from 0 to 0, found {int(index)}"):
+        pusher.advance([], 0.01, {int(index): (0.0, 0.0, 0.0)})
+    with pytest.raises(ValueError, match=f"obstacle: must be from 0 to 0, found {int(index)}"):
+        cohaul.run(SCENES / "contact/pusher.json", controller=lambda view: view.steer(index, (0.0, 0.0, 0.0)))
+    with pytest.raises(TypeError, match="spring: must be a whole number, found str"):
+        sim.attach("0", (0.0, 0.0))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="spring: must be one of the scenario, which has none, found 0"):
+        pusher.attach(0, (0.0, 0.0))
+
+
+def test_numbers_that_are_not_finite_are_named_by_their_place(pulled: Path) -> None:
+    sim = cohaul.Simulation(pulled)
+    with pytest.raises(ValueError, match=r"pose\[2\]: must be finite, found nan"):
+        sim.set_pose([0.0, 0.0, float("nan")])
+    state = sim.state.copy()
+    state[5] = float("inf")
+    with pytest.raises(ValueError, match=r"state\[5\]: must be finite and at most 1e60 in size, found inf"):
+        sim.state = state
+    with pytest.raises(ValueError, match=r"poses: must be finite .* found nan at \(1, 2\)"):
+        cohaul.rollouts(pulled, poses=[[0.0, 0.0, 0.0], [0.0, 0.0, float("nan")]])
+
+
+def test_lists_of_nothing_and_unknown_tiers_are_refused(pulled: Path) -> None:
+    with pytest.raises(ValueError, match="seeds: must have at least one seed, found none"):
+        cohaul.rollouts(SCENES / "paper/four-ants-four-springs.json", seeds=[])
+    with pytest.raises(ValueError, match='tiers: must be prescribed, replayed, controlled or closed-loop, found "x"'):
+        cohaul.compare(pulled, tiers="x")  # type: ignore[arg-type]
+    measure = cohaul.Measure("final x", "m", lambda trace: trace["x_m"][-1])
+    with pytest.raises(ValueError, match="measure: must come with the tiers replayed and controlled, found closed-loop"):
+        cohaul.compare_controller(pulled, lambda seed: lambda view: None, tiers=["replayed", "closed-loop"], measure=measure)
+    found = cohaul.compare_controller(pulled, lambda seed: lambda view: None, measure=measure, step_s=1e-2)
+    assert set(found.tiers) == {"replayed", "controlled"}
+    assert all("measure" in found.tiers[tier]["verdicts"] for tier in ("replayed", "controlled"))
+
+
+@pytest.mark.parametrize("backend", cohaul.BACKENDS)
+def test_an_interrupt_ends_a_long_advance_and_leaves_all_as_it_was(four_ants: Path, backend: Any) -> None:
+    options: dict[str, Any] = {} if backend == "rapier" else {"no_skip": ["still-tips", "stick-certificate"]}
+    sim = cohaul.Simulation(four_ants, backend, step_s=1e-6, **options)
+    starts = 0.0385 * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    for spring, tip in enumerate(starts):
+        sim.attach(spring, tip)
+    sim.advance(starts + [1e-3, 0.0], 4e-4)
+    # Such an advance takes some tenths of a second.
+    saved, moved = sim.save(), starts + [0.05, 0.02]
+    for _ in range(5):
+        threading.Timer(0.1, lambda: signal.raise_signal(signal.SIGINT)).start()
+        with pytest.raises(KeyboardInterrupt):
+            sim.advance(moved, 0.09)
+            for _ in range(1000):
+                time.sleep(0.01)
+        if sim.time_s < 0.01:
+            break
+        # It was over before the interrupt.
+        sim.load(saved)
+    assert sim.save() == saved and sim.time_s == 4e-4
+    # It goes on as one that was never interrupted.
+    other = cohaul.Simulation(four_ants, backend, step_s=1e-6, **options)
+    other.load(saved)
+    for one in (sim, other):
+        assert one.advance(starts + [2e-3, 0.0], 4e-4) == "converged"
+    assert sim.save() == other.save()
+
+
+def test_hearing_interrupts_changes_no_number(pulled: Path) -> None:
+    """The same steps, in one advance that hears interrupts and in two that do not."""
+    heard, unheard = (cohaul.Simulation(pulled, "inertial", step_s=1e-4) for _ in range(2))
+    for sim in (heard, unheard):
+        sim.attach(0, (0.0, 0.0))
+        sim.advance([(0.05, 0.0)], 0.04)
+    heard.advance([(0.05, 0.01)], 0.08)
+    for tick in (1, 2):
+        unheard.advance([(0.05, 0.005 * tick)], 0.04)
+    assert np.allclose(heard.pose, unheard.pose, rtol=0.0, atol=1e-12) and heard.pose[0] > 0.001
+    assert heard.steps["n_steps"] == unheard.steps["n_steps"] == 1200
+
+
+def test_progress_rises_to_its_end(pulled: Path) -> None:
+    scenario = cohaul.Scenario(pulled, duration_s=0.5)
+    calls = {
+        "sweep": lambda show: cohaul.sweep(scenario, {"load.mass_kg": [1e-3, 2e-3]}, seeds=4, progress=show),
+        "run": lambda show: cohaul.run(scenario, progress=show),
+        "compare": lambda show: cohaul.compare_controller(scenario, lambda seed: lambda view: None, tiers="replayed", progress=show),
+        "rollouts": lambda show: cohaul.rollouts(scenario, n_periods=3, progress=show),
+        "conformance": lambda show: cohaul.conformance("quasi-static", progress=show),
+    }
+    for name, call in calls.items():
+        shares: list[float] = []
+        call(shares.append)
+        assert shares and shares[-1] == 1.0 and shares == sorted(shares), (name, shares)
+    failing: list[float] = []
+    with pytest.raises(ZeroDivisionError):
+        cohaul.run(scenario, controller=lambda view: 1 / 0, progress=failing.append)  # type: ignore[arg-type, return-value]
+    assert 1.0 not in failing
+
+
+def test_a_comparison_with_a_closed_loop_is_shown_and_travels() -> None:
+    scenario = cohaul.Scenario(SCENES / "paper/four-ants-four-springs.json", duration_s=1.0)
+    found = cohaul.compare(scenario, seeds=2)
+    assert set(found.tiers) == {"replayed", "closed_loop"} and found.closed_loop is not None
+    assert found.closed_loop["engine_name"]["name"] == "rapier" and found.closed_loop["engine"] in ("within", "not within", "open")
+    assert "closed loop: rapier, 2 seeds" in found._repr_html_()
+    again = pickle.loads(pickle.dumps(found))
+    assert again.results == found.results and again.overview("closed_loop") == found.overview("closed_loop")
+    # No key of an object stands there twice.
+    json.loads(found._data.json(), object_pairs_hook=no_key_twice)
+    alone = cohaul.compare(scenario, tiers="closed-loop", seeds=2)
+    assert alone.verdict == alone.tiers["closed_loop"]["verdict"]
+    with pytest.raises(ValueError, match="tiers: must have one that compares paths, found closed_loop"):
+        alone.verdicts
+
+
+def no_key_twice(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    assert len(found) == len(pairs), [name for name, _ in pairs]
+    return found

@@ -1,6 +1,6 @@
 """Engines of your own, which ``cohaul.compare`` puts in the place of rapier.
 
-An engine is a class that moves the load. It is told the scene once and asked to advance it, in SI
+An engine is a class that moves the load. It gets the scene once and is asked to advance it, in SI
 units and world axes; the origin of the load is its centre of mass, and headings turn
 counter-clockwise and are not wrapped. This one is a load that slides without turning:
 

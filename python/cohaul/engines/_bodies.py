@@ -11,9 +11,9 @@ from ._planar import Planar
 class Bodies(Planar):
     """An engine whose load and obstacles are bodies with a ``position`` and an ``angle``."""
 
-    most_corners = 8
+    most_corners: int = 8
     """Corners of a polygon that the engine takes (1)."""
-    rates = "velocity", "angular_velocity"
+    rates: tuple[str, str] = "velocity", "angular_velocity"
     """What the engine calls the velocity and the turn rate of a body."""
     load: Any
     obstacles: list[Any]

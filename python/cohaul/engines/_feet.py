@@ -6,6 +6,7 @@ from typing import Any, Iterator
 
 import numpy as np
 
+from ..results import FloatArray
 from ._planar import Planar, contact
 
 
@@ -20,10 +21,20 @@ class Feet(Planar):
     """
 
     foot_friction: float
-    heavy = 1e9
+    heavy: float = 1e9
     """Mass of an obstacle over that of the load: it keeps its speed in a contact (1)."""
     q: Any
     v: Any
+    scale: FloatArray
+    """Units of the load's coordinates (m, m, rad)."""
+    supports: list[dict[str, Any]]
+    """Supports with a slip limit."""
+    press: FloatArray
+    """Force on each foot in the units of the engine."""
+    feet: slice
+    """Coordinates of the feet."""
+    others: slice
+    """Coordinates of the obstacles."""
 
     def build(self, scene: dict[str, Any], longest_step_s: float) -> None:
         """Makes the model and its ``q`` and ``v``, and lets the feet settle."""
@@ -48,13 +59,16 @@ class Feet(Planar):
         self.q[self.others] = [value for obstacle in scene["obstacles"] for value in obstacle["pose"] / self.scale]
 
     def load_pose(self) -> list[float]:
-        return (self.q[:3] * self.scale).tolist()
+        pose: list[float] = (self.q[:3] * self.scale).tolist()
+        return pose
 
     def load_twist(self) -> list[float]:
-        return (self.v[:3] * self.scale).tolist()
+        twist: list[float] = (self.v[:3] * self.scale).tolist()
+        return twist
 
     def obstacle_poses(self) -> list[list[float]]:
-        return (self.q[self.others].reshape(-1, 3) * self.scale).tolist()
+        poses: list[list[float]] = (self.q[self.others].reshape(-1, 3) * self.scale).tolist()
+        return poses
 
     def move_obstacle(self, at: int, twist: list[float]) -> None:
         self.v[self.others][3 * at : 3 * at + 3] = twist / self.scale

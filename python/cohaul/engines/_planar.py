@@ -10,6 +10,19 @@ from . import Engine
 class Planar(Engine):
     """An engine that is stepped, and states where its load is."""
 
+    length: float
+    """Unit of length in which the engine computes (m)."""
+    mass: float
+    """Unit of mass in which it does (kg)."""
+    masses: list[float]
+    """Mass (kg), twice, and moment of inertia (kg m^2) of the load."""
+    lost: float | None
+    """Energy lost so far (J); ``None`` where it is not known."""
+    places: list[list[float]]
+    """Poses of the obstacles at the start (m, m, rad)."""
+    share: float
+    """Share of the advance after which the tips have their places (1)."""
+
     def units(self, scene: dict[str, Any]) -> tuple[float, float]:
         """Units of length and mass in which the engine computes (m, kg)."""
         return 1.0, 1.0
@@ -43,7 +56,7 @@ class Planar(Engine):
         """Begins to keep the energy, and the units."""
         self.length, self.mass = self.units(scene)
         self.masses = [scene["mass_kg"], scene["mass_kg"], scene["inertia_kg_m2"]]
-        self.lost: float | None = 0.0
+        self.lost = 0.0
         self.places = [list(obstacle["pose"]) for obstacle in scene["obstacles"]]
         if any(spring["radial_damping_ns_per_m"] or spring["torsional_damping_nms_per_rad"] for spring in scene["springs"]):
             self.lost = None  # What dashpots take is not known here.
@@ -72,7 +85,7 @@ class Planar(Engine):
         return {key: value for key, value in found.items() if value is not None}
 
     def _kinetic_energy(self) -> float:
-        return sum(0.5 * mass * rate**2 for mass, rate in zip(self.masses, self.load_twist()))
+        return sum(0.5 * mass * rate * rate for mass, rate in zip(self.masses, self.load_twist()))
 
 
 def contact(obstacle: int, points_m: Sequence[Sequence[float]], force_n: Sequence[float]) -> dict[str, Any]:

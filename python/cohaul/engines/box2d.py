@@ -17,10 +17,18 @@ class Box2D(Bodies):
     0.005. It advises bodies of 0.1 to 10 units: the largest have the smallest faults.
     """
 
-    name, version = "Box2D", b2.__version__
-    sweeps, sleeps = (50, 20), False
-    rates = "linearVelocity", "angularVelocity"
-    most_corners = b2.b2_maxPolygonVertices
+    name: str = "Box2D"
+    version: str | None = b2.__version__
+    sweeps: tuple[int, int] = (50, 20)
+    """Iterations for velocities and for positions (1)."""
+    sleeps: bool = False
+    """Whether bodies at rest are left out."""
+    rates: tuple[str, str] = "linearVelocity", "angularVelocity"
+    most_corners: int = b2.b2_maxPolygonVertices
+    load: Any
+    obstacles: list[Any]
+    world: Any
+    impulses: Any
 
     def units(self, scene: dict[str, Any]) -> tuple[float, float]:
         return scene["radius_m"] / 10.0, scene["mass_kg"]
@@ -67,9 +75,12 @@ class Box2D(Bodies):
 class Box2DDefaults(Box2D):
     """Box2D in SI units, with the iterations that its manual advises."""
 
-    name = "Box2D (defaults)"
-    sweeps, sleeps = (8, 3), True
-    units = Planar.units
+    name: str = "Box2D (defaults)"
+    sweeps: tuple[int, int] = (8, 3)
+    sleeps: bool = True
+
+    def units(self, scene: dict[str, Any]) -> tuple[float, float]:
+        return Planar.units(self, scene)
 
 
 class _Impulses(b2.b2ContactListener):  # type: ignore[misc]

@@ -26,12 +26,26 @@ class Drake(Feet):
     and feet are softer and pressed less, without which the solver misses the forces of obstacles.
     """
 
-    name, version = "Drake", version("drake")
+    name: str = "Drake"
+    version: str | None = version("drake")
     approximation: Any = DiscreteContactApproximation.kSap
     stiffness: float | None = 1e8
     beside_obstacles: tuple[Any, float | None, float] = DiscreteContactApproximation.kLagged, 1e6, 1.0
-    foot_friction, heavy = 1e-3, 1e5
+    foot_friction: float = 1e-3
+    heavy: float = 1e5
     """The solver ends by the largest momentum: that of heavier obstacles hides the load's."""
+    bodies: list[dict[str, Any]]
+    """Load and obstacles of the scene."""
+    inertia: float
+    """Moment of inertia of the load in the units of the plant."""
+    firmness: float
+    """Inertia and stiffness of the feet over the usual ones (1)."""
+    q: Any
+    v: Any
+    plants: dict[float, Any]
+    """A plant for each step (s)."""
+    found: Any
+    """Contacts in the last step."""
 
     def units(self, scene: dict[str, Any]) -> tuple[float, float]:
         return scene["radius_m"], scene["mass_kg"]  # Drake's solver fails at grams and millimetres.
@@ -44,10 +58,10 @@ class Drake(Feet):
     def build(self, scene: dict[str, Any], longest_step_s: float) -> None:
         self.bodies, self.inertia = [scene, *scene["obstacles"]], scene["inertia_kg_m2"] / self.mass / self.length**2
         # Feet that are pressed more have more inertia and stiffness: they would fall through the ground.
-        self.firmness = max([1.0, *(-self.press / MOST_PRESSED)])
+        self.firmness = max([1.0, *(-self.press / MOST_PRESSED).tolist()])
         self.q, self.v = np.zeros((2, len(self.press) + 3 * len(self.bodies)))
         self.q[self.others] = FAR
-        self.plants: dict[float, Any] = {}
+        self.plants = {}
         # The feet settle: lagged friction is that of a foot that was pressed before.
         for _ in range(100):
             self.moved(longest_step_s, np.zeros(3))
@@ -98,6 +112,8 @@ class Drake(Feet):
 class DrakeDefaults(Drake):
     """Drake with its own settings: friction by the normal force of the step before."""
 
-    name = "Drake (defaults)"
-    approximation, stiffness, foot_friction = DiscreteContactApproximation.kLagged, None, 1.0
-    beside_obstacles = approximation, stiffness, foot_friction
+    name: str = "Drake (defaults)"
+    approximation: Any = DiscreteContactApproximation.kLagged
+    stiffness: float | None = None
+    foot_friction: float = 1.0
+    beside_obstacles: tuple[Any, float | None, float] = approximation, None, 1.0

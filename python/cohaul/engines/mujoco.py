@@ -20,9 +20,22 @@ GROUND, SOLE = {"contype": 1, "conaffinity": 0}, {"contype": 0, "conaffinity": 1
 class MuJoCo(Feet):
     """MuJoCo with elliptic cones, and constraints as stiff as its steps allow."""
 
-    name, version = "MuJoCo", mj.__version__
-    foot_friction, lifted = 0.01, 1e-3
-    """Coefficient of friction of the feet, and the mass that is lifted with them over that of the load (1)."""
+    name: str = "MuJoCo"
+    version: str | None = mj.__version__
+    foot_friction: float = 0.01
+    """Coefficient of friction of the feet (1)."""
+    lifted: float = 1e-3
+    """Mass that is lifted with the feet over that of the load (1)."""
+    soles: dict[str, list[float]]
+    """How firm the feet are."""
+    sides: dict[str, list[float]]
+    """How firm load and obstacles are."""
+    height: float
+    """Height of the load above the ground (m)."""
+    model: Any
+    data: Any
+    q: Any
+    v: Any
 
     def set_up(self, option: Any, h: float) -> None:
         option.cone, option.impratio = mj.mjtCone.mjCONE_ELLIPTIC, 1e6
@@ -90,8 +103,11 @@ class MuJoCoDefaults(MuJoCo):
     The feet have its default coefficient of friction, and lift the whole mass as those of a block.
     """
 
-    name = "MuJoCo (defaults)"
-    foot_friction, lifted = 1.0, 1.0
+    name: str = "MuJoCo (defaults)"
+    foot_friction: float = 1.0
+    lifted: float = 1.0
+    soles: dict[str, list[float]]
+    sides: dict[str, list[float]]
 
     def set_up(self, option: Any, h: float) -> None:
         self.soles, self.sides = {}, {}

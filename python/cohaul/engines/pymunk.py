@@ -13,10 +13,14 @@ from ._planar import contact
 class Pymunk(Bodies):
     """pymunk with settings for millimetres and small steps."""
 
-    name, version = "pymunk", pymunk.version
+    name: str = "pymunk"
+    version: str | None = pymunk.version
     joint: Any = pymunk.PivotJoint
     turn: Any = None
     """What is done to a joint before each step, if anything."""
+    space: pymunk.Space
+    load: Any
+    obstacles: list[Any]
 
     def start(self, scene: dict[str, Any], longest_step_s: float) -> None:
         self.keep(scene)
@@ -80,7 +84,7 @@ class Pymunk(Bodies):
 class PymunkDefaults(Pymunk):
     """pymunk with its own settings."""
 
-    name = "pymunk (defaults)"
+    name: str = "pymunk (defaults)"
 
     def set_up(self, slop: float) -> None:
         pass
@@ -94,8 +98,8 @@ class PymunkAlongSlip(Pymunk):
     laid along the slip of the step without friction.
     """
 
-    name = "pymunk (friction along the slip)"
-    joint = pymunk.PinJoint
+    name: str = "pymunk (friction along the slip)"
+    joint: Any = pymunk.PinJoint
 
     def turn(self, joint: Any, space: pymunk.Space) -> None:
         arm = joint.anchor_b.rotated(self.load.angle)

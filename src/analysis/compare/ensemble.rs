@@ -18,6 +18,8 @@ use crate::simulation::run_facts::unit_of;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosedLoop {
     pub tier: Tier,
+    /// The answers below have the key `engine`.
+    #[serde(rename = "engine_name")]
     pub engine: EngineName,
     pub n_seeds: usize,
     pub first_seed: u64,

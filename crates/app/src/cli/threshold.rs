@@ -12,7 +12,7 @@ use super::input::{name_of, read_scenario_text};
 use super::output::{OutputArgs, study_manifest};
 use super::resumable::{self, finished, journal_beside};
 use super::threads::pool;
-use super::vary::{VaryArgs, plan_of};
+use super::vary::VaryArgs;
 use super::watch::watched;
 use cohaul::analysis::compare::Settings;
 use cohaul_report::json;
@@ -20,6 +20,7 @@ use cohaul_studies::sweep::{present_value, validate};
 use cohaul_studies::threshold::files::write_thresholds;
 use cohaul_studies::threshold::report::Thresholds;
 use cohaul_studies::threshold::{Asked, Class, search};
+use cohaul_studies::vary::plan;
 
 pub fn threshold(
     asked: &Asked,
@@ -31,7 +32,7 @@ pub fn threshold(
 ) -> Result<ExitCode, CliError> {
     let text = read_scenario_text(scenario)?;
     let present = if asked.needs_present_value() { present_value(&text, &name_of(scenario), &asked.path)? } else { 1.0 };
-    let plan = plan_of(scenario, text, vec![asked.axis(present)?], seed, settings)?;
+    let plan = plan(name_of(scenario), text, vec![asked.axis(present)?], seed, settings)?;
     let pool = pool(args.threads, plan.identity.n_cells)?;
     validate(&plan, 0..plan.identity.n_cells, &pool, || true)?;
     let question = json!({ "sweep": plan.identity, "settings": settings });

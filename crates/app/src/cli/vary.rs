@@ -14,13 +14,12 @@ use super::output::{OutputArgs, study_manifest};
 use super::resumable;
 use super::threads::pool;
 use cohaul::analysis::compare::Settings;
-use cohaul::backend::{BackendKind, Integrator};
 use cohaul_report::json;
-use cohaul_studies::sweep::{Ask, Axis, Design, Plan, Variant, validate};
+use cohaul_studies::sweep::{Axis, validate};
 use cohaul_studies::threshold::Asked;
 use cohaul_studies::vary::files::write_map;
 use cohaul_studies::vary::report::Map;
-use cohaul_studies::vary::{Question, tasks};
+use cohaul_studies::vary::{Question, plan, tasks};
 
 #[derive(Args)]
 pub struct VaryArgs {
@@ -52,30 +51,11 @@ impl VaryArgs {
     }
 }
 
-/// Plan of the points of a scenario in `text` over these axes.
-pub fn plan_of(scenario: &Path, text: String, axes: Vec<Axis>, seed: Option<u64>, settings: &Settings) -> Result<Plan, CliError> {
-    Ok(Plan::new(Ask {
-        file: name_of(scenario),
-        text,
-        design: Design::new(axes, None)?,
-        variants: vec![Variant {
-            backend: BackendKind::QuasiStatic,
-            step_s: settings.step_s,
-            tolerance_m: settings.reference_tolerance_m,
-            integrator: Integrator::default(),
-            rapier: settings.rapier,
-            skips: settings.skips,
-        }],
-        first_seed: seed,
-        n_seeds: 1,
-    })?)
-}
-
 pub fn vary(args: &VaryArgs, scenario: &Path, seed: Option<u64>, settings: &Settings, output: &OutputArgs) -> Result<ExitCode, CliError> {
     if args.vary.len() > 2 {
         return Err(CliError::Usage(format!("--vary: must be given once or twice, found {} times", args.vary.len())));
     }
-    let plan = plan_of(scenario, read_scenario_text(scenario)?, args.vary.clone(), seed, settings)?;
+    let plan = plan(name_of(scenario), read_scenario_text(scenario)?, args.vary.clone(), seed, settings)?;
     check_step(settings.step_s, plan.base())?;
     let question = Question { settings: *settings, everywhere: args.everywhere };
     let pool = pool(args.threads, plan.identity.n_cells)?;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+pub use super::figure::figure as thresholds_figure;
 use super::figure::{LEAST, figure, figure_for_print};
 use super::point::Class;
 use super::report::Thresholds;
@@ -19,7 +20,7 @@ use cohaul_report::quantity::quantity;
 pub fn write_thresholds(target: &Path, found: &Thresholds, manifest: &Manifest) -> Result<(), FolderError> {
     let svg = figure(found);
     let mut folder = OutputFolder::create(target)?;
-    folder.write(REPORT, |out| out.write_all(page(found, svg.clone(), manifest).to_html().as_bytes()))?;
+    folder.write(REPORT, |out| out.write_all(thresholds_page(found, svg.clone(), manifest).to_html().as_bytes()))?;
     folder.write("points.csv", |out| found.table_of_points().write_csv(out))?;
     folder.write("threshold.svg", |out| out.write_all(svg.as_bytes()))?;
     write_for_print(&mut folder, "threshold", |width| figure_for_print(found, width))?;
@@ -27,7 +28,8 @@ pub fn write_thresholds(target: &Path, found: &Thresholds, manifest: &Manifest) 
     folder.finish(manifest)
 }
 
-fn page(found: &Thresholds, svg: String, manifest: &Manifest) -> Page {
+/// The page of a search.
+pub fn thresholds_page(found: &Thresholds, svg: String, manifest: &Manifest) -> Page {
     let numbers = vec![
         Number::new("points", found.points.len().to_string(), ""),
         Number::new("failed", found.n_failed.to_string(), ""),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+pub use super::figure::figure as map_figure;
 use super::figure::{LEAST, figure, figure_for_print};
 use super::report::{Map, NUMBERS, rule};
 use cohaul_report::chart::print::write_for_print;
@@ -18,7 +19,7 @@ use cohaul_report::quantity::quantity;
 pub fn write_map(target: &Path, map: &Map, manifest: &Manifest) -> Result<(), FolderError> {
     let svg = figure(map);
     let mut folder = OutputFolder::create(target)?;
-    folder.write(REPORT, |out| out.write_all(page(map, svg.clone(), manifest).to_html().as_bytes()))?;
+    folder.write(REPORT, |out| out.write_all(map_page(map, svg.clone(), manifest).to_html().as_bytes()))?;
     folder.write("map.csv", |out| map.table().write_csv(out))?;
     folder.write("map.svg", |out| out.write_all(svg.as_bytes()))?;
     write_for_print(&mut folder, "map", |width| figure_for_print(map, width))?;
@@ -26,7 +27,8 @@ pub fn write_map(target: &Path, map: &Map, manifest: &Manifest) -> Result<(), Fo
     folder.finish(manifest)
 }
 
-fn page(map: &Map, svg: String, manifest: &Manifest) -> Page {
+/// The page of a map.
+pub fn map_page(map: &Map, svg: String, manifest: &Manifest) -> Page {
     let (n, n_valid) = (map.cells.len(), map.n_valid());
     let answer = match n_valid {
         _ if map.n_failed > 0 => Answer::Open,

@@ -22,10 +22,10 @@ use serde_json::Value;
 use crate::compare::answer;
 use crate::runner::Tasks;
 use crate::stress::guard::guarded;
-use crate::sweep::Plan;
+use crate::sweep::{Ask, Axis, Design, Plan, SweepError, Variant};
 use cohaul::analysis::compare::{EngineAnswer, InertiaAnswer, Pathwise, QuantityVerdict, Settings, ThreeWay, Verdict};
 use cohaul::analysis::estimate::{CLEAR, with_estimate};
-use cohaul::backend::{BackendKind, closed_share};
+use cohaul::backend::{BackendKind, Integrator, closed_share};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Health, Keep, Simulation, controller_of};
 use cohaul_report::page::Answer;
@@ -76,6 +76,28 @@ pub struct Compared {
     pub engine_error: f64,
     pub reference_error: f64,
     pub tolerance: f64,
+}
+
+/// Plan of the points of the scenario in the `text` of a `file` over these axes.
+///
+/// # Errors
+/// When the scenario breaks a rule, or has no such parameters.
+pub fn plan(file: String, text: String, axes: Vec<Axis>, seed: Option<u64>, settings: &Settings) -> Result<Plan, SweepError> {
+    Plan::new(Ask {
+        file,
+        text,
+        design: Design::new(axes, None)?,
+        variants: vec![Variant {
+            backend: BackendKind::QuasiStatic,
+            step_s: settings.step_s,
+            tolerance_m: settings.reference_tolerance_m,
+            integrator: Integrator::default(),
+            rapier: settings.rapier,
+            skips: settings.skips,
+        }],
+        first_seed: seed,
+        n_seeds: 1,
+    })
 }
 
 /// All points of `plan` as tasks.
