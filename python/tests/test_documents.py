@@ -6,6 +6,8 @@ import ast
 import doctest
 import importlib
 import re
+import runpy
+import types
 from pathlib import Path
 
 import pytest
@@ -13,7 +15,7 @@ from conftest import ROOT
 
 import cohaul
 
-MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_rollouts", "_compare", "_sweep", "_simulation", "_import", "_measured", "engines", "gym"])]
+MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_rollouts", "_compare", "_sweep", "_simulation", "_import", "_maps", "_check", "_measured", "engines", "gym", "results"])]
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -41,12 +43,30 @@ def test_python_code_of_readme_and_book(name: str, monkeypatch: pytest.MonkeyPat
 
 def test_pages_of_notebooks_have_their_code() -> None:
     notebooks = sorted((ROOT / "python/notebooks").glob("[0-9]*.py"))
-    assert len(notebooks) == 5
+    assert len(notebooks) == 8
     for notebook in notebooks:
         page = (ROOT / "docs/src/notebooks" / f"{notebook.stem}.md").read_text()
         cells = re.split(r"^# %%(.*)$", notebook.read_text(), flags=re.M)[1:]
         code = [source.strip() for kind, source in zip(cells[::2], cells[1::2]) if "markdown" not in kind]
         assert code and all(f"```python\n{source}\n```" in page for source in code), f"{notebook.name}: see python/notebooks/execute.py"
+
+
+def test_pages_of_the_package_follow_from_its_sources() -> None:
+    script = runpy.run_path(str(ROOT / "python/api.py"))
+    for name, text in script["pages"]().items():
+        assert (ROOT / "docs/src/reference" / name).read_text() == text, f"{name}: python python/api.py writes it"
+
+
+def test_pages_of_the_package_have_all_that_is_public() -> None:
+    page = (ROOT / "docs/src/reference/python.md").read_text()
+    names = [name for name in cohaul.__all__ if isinstance(getattr(cohaul, name), (type, types.FunctionType))]
+    assert len(names) > 30
+    for name in names:
+        thing = getattr(cohaul, name)
+        assert f"\n## {name}\n" in page, name
+        members = [member for member in vars(thing) if isinstance(thing, type) and not member.startswith("_") and getattr(thing, member).__doc__]
+        missing = [member for member in members if not re.search(rf"^{member}\b", page, re.M)]
+        assert not missing, (name, missing)
 
 
 def test_stubs_name_what_the_native_part_has() -> None:
@@ -65,7 +85,7 @@ def test_stubs_name_what_the_native_part_has() -> None:
 def test_every_public_thing_has_a_docstring() -> None:
     for name in cohaul.__all__:
         thing = getattr(cohaul, name)
-        if callable(thing):
+        if isinstance(thing, (type, types.FunctionType)):
             assert thing.__doc__, name
             for member in [member for member in vars(thing) if isinstance(thing, type) and not member.startswith("_")]:
                 assert getattr(thing, member).__doc__, f"{name}.{member}"
