@@ -156,10 +156,12 @@ def test_rare_keys_stand_in_the_sources() -> None:
 
 
 def test_each_fault_in_an_answer_is_found(looked_at: tuple[list[tuple[Any, Any]], list[str], Seen]) -> None:
-    n_found = 0
+    tried = set()
+    optional = {key for other in looked_at[2].answers for key in other.__optional_keys__}
     for answer, kind in looked_at[0]:
-        optional = {key for other in looked_at[2].answers for key in other.__optional_keys__}
         for what, wrong in spoilt(answer):
+            if (str(kind), what) in tried:
+                continue
             # A key that may be missing is no fault, nor one of the data.
             if re.search(rf"(\b({'|'.join(optional)})|closed_loop\.verdicts\.\w+|build\.\w+) missing$", what):
                 continue
@@ -167,8 +169,8 @@ def test_each_fault_in_an_answer_is_found(looked_at: tuple[list[tuple[Any, Any]]
             if re.search(r"scenario_changes\.\[0\]\.(stored|now)\.", what):
                 continue
             assert any(misfits(wrong, kind)), what
-            n_found += 1
-    assert n_found > 5_000
+            tried.add((str(kind), what))
+    assert len(tried) > 3_000
 
 
 KEYED = {

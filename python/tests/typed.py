@@ -105,4 +105,6 @@ def spoilt(value: Any) -> Iterator[tuple[str, Any]]:
         for what, changed in spoilt(value[0]) if value else ():
             yield f"[0].{what}", [changed, *value[1:]]
     else:
-        yield "another type", [] if value is None or not isinstance(value, bool) else 1
+        yield "another type", ()
+        if value is not None:
+            yield "a truth", 1 if isinstance(value, bool) else True
