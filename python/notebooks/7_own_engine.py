@@ -44,7 +44,7 @@ straight = cohaul.compare("scenarios/analytic/ramp-and-hold.json", engine=Slider
 print(straight.answer)
 
 # %% [markdown]
-# A pull off the centre turns the load, which the slider cannot. The verdict says how much that
+# A pull off the centre turns the load, but not with the slider. The verdict says how much that
 # changes, and that no smaller step helps: the part `engine_model` is all of it.
 
 # %%

@@ -26,7 +26,7 @@ def test_docstrings(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.failed == 0 and found.attempted > 0
 
 
-@pytest.mark.parametrize("name", ["README.md", "docs/src/engines.md", "docs/src/friction-joints.md", "docs/src/python.md", "docs/src/recordings.md"])
+@pytest.mark.parametrize("name", ["README.md", "docs/src/environments.md", *(f"docs/src/environments/{name}.md" for name in ("transport", "doorway", "push-t")), "docs/src/engines.md", "docs/src/friction-joints.md", "docs/src/python.md", "docs/src/recordings.md"])
 def test_python_code_of_readme_and_book(name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     text = (ROOT / name).read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.S)
