@@ -177,8 +177,14 @@ formats! {
     PAPER = ("cohaul paper", 1, "`paper --json`, `summary.json`", None);
     /// Result of `paper search`.
     PAPER_SEARCH = ("cohaul paper search", 1, "`paper search --json`, `summary.json`", None);
+    /// Readings of the paper beside each other.
+    PAPER_READINGS = ("cohaul paper readings", 1, "`paper readings --json`, `summary.json`", None);
+    /// Standstills of scenes with obstacles.
+    PAPER_DEADLOCKS = ("cohaul paper deadlocks", 1, "`paper deadlocks --json`, `summary.json`", None);
     /// Result of `calibrate fit`.
     CALIBRATE_FIT = ("cohaul calibrate fit", 1, "`calibrate fit --json`, `calibration.json`", Older);
+    /// Result of `calibrate grid`.
+    CALIBRATE_GRID = ("cohaul calibrate grid", 1, "`calibrate grid --json`, `grid.json`", None);
     /// Result of `calibrate design`.
     CALIBRATE_DESIGN = ("cohaul calibrate design", 1, "`calibrate design --json`, `design.json`", None);
     /// Result of `calibrate forces`.

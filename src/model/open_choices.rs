@@ -69,8 +69,8 @@ pub const OPEN_CHOICES: [OpenChoice; 15] = [
         name: "speed in Transport",
         key: Some("drive.pull_speed_m_per_s"),
         unit: "m/s",
-        range: linear(0.02, 0.08),
-        reason: "Section VII prints 0.08 m/s for Search only, and a pulling ant walks backwards. Below 0.02 m/s the nest is too far.",
+        range: logarithmic(0.012, 0.08),
+        reason: "Section VII prints 0.08 m/s for Search only, and a pulling ant walks backwards. The time to the nest goes as one over it; the printed 83 s ask for about 0.02 m/s.",
     },
     OpenChoice {
         name: "release decision period",

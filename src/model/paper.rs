@@ -92,6 +92,9 @@ pub const INERTIAL_FORCE_N: f64 = 1e-7;
 /// Friction force mu m g on structure 2 (N). Section IV-C.1.
 pub const FRICTION_FORCE_N: f64 = 22e-3;
 
+/// Time of the phase change in the simulated run of four ants (s). Section VII, for Fig. 11.
+pub const PHASE_CHANGE_S: f64 = 83.0;
+
 /// Number of simulated samples in which 1 to 10 ants pulled (1). Caption of Fig. 9.
 pub const SIMULATED_SAMPLES: [u64; 10] = [1_186_594, 19_971, 50_522, 36_362, 35_459, 4956, 17_700, 38_777, 46_289, 19_234];
 /// Number of measured samples in which 4 to 9 ants pulled (1). Caption of Fig. 9. The paper counts
@@ -101,6 +104,11 @@ pub const MEASURED_SAMPLES: [u64; 6] = [561, 453, 4154, 2448, 1866, 182];
 pub const SMALLEST_MEASURED: usize = 4;
 /// Smallest group that only the trial of ten ants can have (1).
 pub const SMALLEST_OF_TEN: usize = 6;
+
+/// Fraction of all samples in which one ant pulled (1).
+pub fn share_of_one() -> f64 {
+    SIMULATED_SAMPLES[0] as f64 / SIMULATED_SAMPLES.iter().sum::<u64>() as f64
+}
 
 /// Fraction of samples in which `size` of ten ants pulled, among those with six or more (1).
 pub fn share_of_size(size: usize) -> f64 {
@@ -140,6 +148,7 @@ const fn of_ants(key: &'static str, symbol: &'static str, value: f64, unit: &'st
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::behaviour::ReleaseLaw;
 
     /// mu m g of the printed mass is the printed friction force, to its two digits; diameter and
     /// rest length give the radius of the load.
@@ -152,6 +161,26 @@ mod tests {
         // 1.2 %.
         let pulls: u64 = (2..=5).map(|size| size * SIMULATED_SAMPLES[size as usize - 1]).sum();
         assert!((pulls as f64 / N_PULLS as f64 - 1.0).abs() < 0.012, "{pulls}");
+    }
+
+    /// No single time step gives pulls and group sizes together, with forces in newtons. If all
+    /// ants decide once in a step, and as many leave as come, p_2 is at most 0.07 on average, even
+    /// if every free tip is in the reach of every searching ant. Eq. (18) is four times that
+    /// without a pull.
+    #[test]
+    fn printed_groups_exclude_one_time_step_in_newtons() {
+        let sizes = SMALLEST_OF_TEN..=10;
+        let attached: f64 = sizes.clone().map(|size| size as f64 * share_of_size(size)).sum();
+        let coming: f64 = sizes
+            .map(|size| {
+                let n_free = (10 - size) as f64;
+                share_of_size(size) * n_free * (1.0 - (1.0 - GRASP_PROBABILITY).powf(n_free))
+            })
+            .sum();
+        let most = coming / attached;
+        let release = ReleaseLaw { strong_pull: STRONG_PULL_N, steepness: RELEASE_STEEPNESS_PER_N, period: 1.0 };
+        assert!((0.069..0.071).contains(&most), "{most}");
+        assert!(release.probability(0.0) > 3.8 * most);
     }
 
     /// The mean of the printed groups is that of a binomial of ten with p = 0.84, cut below six.

@@ -33,14 +33,12 @@ pub enum Preset {
     /// probability. It departs from the printed `steering_half_angle_rad` and `control_offset_m` as
     /// the preset "fitted" does.
     Aged,
-    /// Ants decide at every tick with the printed probabilities, for forces in newtons. With a
-    /// control period of 0.08 s the forces are as printed. It departs from the printed
-    /// `steering_half_angle_rad` and `control_offset_m` as the preset "fitted" does.
+    /// Ants decide at every tick with the printed probabilities, for forces in newtons. It has
+    /// every printed value. With a control period of 0.08 s the forces are as printed.
     LiteralNewtons,
     /// Ants decide at every tick with the printed probabilities, for forces in millinewtons:
-    /// `release_steepness_per_n` is then 1e5. The release is nearly a hard limit at 10 mN. It is
-    /// meant for a control period of 0.08 s. It departs from the printed `steering_half_angle_rad`
-    /// and `control_offset_m` as the preset "fitted" does.
+    /// `release_steepness_per_n` is then 1e5, and every other value is as printed. The release is
+    /// nearly a hard limit at 10 mN.
     LiteralMillinewtons,
 }
 
@@ -119,7 +117,14 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
         Preset::PaperSpeed => AntDrive { sensing_range: 0.0215, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.106) },
         Preset::Aged => AntDrive { release_pace: ReleasePace::Aged, sensing_range: 0.0205, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) },
         Preset::LiteralNewtons => {
-            AntDrive { grasp_pace: GraspPace::PerTick, release_pace: ReleasePace::PerTick, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) }
+            let printed = as_printed(n_ants);
+            AntDrive {
+                pull_speed: paper::SEARCH_SPEED_M_PER_S,
+                grasp_pace: GraspPace::PerTick,
+                release: ReleaseLaw { period: 0.08, ..printed.release },
+                release_pace: ReleasePace::PerTick,
+                ..printed
+            }
         }
         Preset::LiteralMillinewtons => {
             let literal = ants(Preset::LiteralNewtons, n_ants);

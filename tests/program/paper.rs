@@ -10,7 +10,8 @@ use std::process::Output;
 use cohaul::backend::BackendKind;
 use cohaul::model::paper as printed;
 use cohaul::scenario::presets::Preset;
-use cohaul_paper::paper::{Case, Measure, Null, RunFacts, Trial, claims, run, units};
+use cohaul::simulation::{Keep, Simulation};
+use cohaul_paper::paper::{BLOCK, Case, Measure, Null, RunFacts, Trial, change, claims, facts_of, run, series_in_window, series_of, units};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -60,9 +61,9 @@ fn the_reading_of_the_unit_decides_the_largest_pull() {
         runs.iter().map(|(.., facts)| facts.pulls.max()).fold(0.0, f64::max)
     };
     let wall = largest(Preset::LiteralMillinewtons);
-    // A load that turns under a held tip adds a little.
-    assert!((0.010..0.0155).contains(&wall), "{wall}");
-    assert!(largest(Preset::LiteralNewtons) > 0.018);
+    // At 60 degrees off the spring a step shortens it, and a shorter one is stiffer across.
+    assert!((0.010..0.020).contains(&wall), "{wall}");
+    assert!(largest(Preset::LiteralNewtons) > 0.022);
 }
 
 /// A claim needs all its trials: without the other numbers of ants on ten springs nothing is told
@@ -72,7 +73,7 @@ fn claims_without_their_trials_are_not_told() {
     let runs = runs(&[Trial::FourFour], &Case::new(Preset::LiteralNewtons, BackendKind::QuasiStatic), 1..3);
     let claims = claims(&units(&runs));
     let of_speed: Vec<_> = claims.iter().filter(|claim| claim.contradicts == Null::Proportional).collect();
-    assert!(of_speed.len() == 6 && of_speed.iter().all(|claim| claim.holds.is_none() && claim.found.is_none()));
+    assert!(of_speed.len() == 5 && of_speed.iter().all(|claim| claim.holds.is_none() && claim.found.is_none()));
 }
 
 fn call(args: &[&str]) -> Output {
@@ -83,6 +84,31 @@ fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()
 }
 
+/// On seeds that nothing was fitted to, in whole runs the interaction forces rise more often than
+/// they fall, because a team gathers. From the first instant at which all four pull, they fall more
+/// often: a fifth less of the series at its beginning turns the sign.
+#[test]
+fn the_sign_of_the_interaction_change_hangs_on_the_gathering() {
+    let case = Case::new(Preset::default(), BackendKind::QuasiStatic);
+    let (mut whole, mut late, mut fair) = (0, 0, 0);
+    for seed in 7001..7061 {
+        let scenario = Trial::FourFour.scenario(&case, seed);
+        let mut run = Simulation::new(&scenario, &case.options(&scenario), Keep::Trace);
+        run.run(|_| true);
+        let (trace, _) = run.into_results();
+        let series = series_of(&trace, &scenario);
+        let sign = |values: &[f64]| {
+            // A team that gathers late leaves too few blocks.
+            let Some(change) = change::change_of_mean(values, BLOCK, seed).filter(change::Change::is_significant) else { return 0 };
+            (change.mean_after - change.mean_before).signum() as i32
+        };
+        whole += sign(&series.interaction);
+        late += sign(&series.interaction[series.interaction.len() / 5..]);
+        fair += sign(&series_in_window(&trace, &scenario).interaction);
+    }
+    assert!(whole > 0 && late < 0 && fair < 0, "{whole} {late} {fair}");
+}
+
 /// A search of one row has twelve sets and as many repetitions as rows, and a box around the
 /// closest ones.
 #[test]
@@ -90,7 +116,7 @@ fn a_search_lists_every_set_with_its_distance() {
     let room = tempdir().unwrap();
     let out = room.path().join("out");
     let sizes = ["--rows", "1", "--within", "2", "--seeds", "1", "--more-seeds", "2", "--most", "1"];
-    let output = call(&[&["search"][..], &sizes, &["--json", "--out", out.to_str().unwrap()]].concat());
+    let output = call(&[&["search"][..], &sizes, &["--quiet", "--json", "--out", out.to_str().unwrap()]].concat());
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
     let found: Value = serde_json::from_str(text(&output.stdout)).unwrap();
     assert_eq!(found["n_sets"], 14);
@@ -114,8 +140,19 @@ fn a_search_lists_every_set_with_its_distance() {
 fn the_command_writes_tables_and_figures_whole() {
     let room = tempdir().unwrap();
     let out = room.path().join("out");
-    let args =
-        ["--backend", "quasi-static", "--seeds", "2", "--preset", "literal-newtons", "--quick", "--json", "--out", out.to_str().unwrap()];
+    let args = [
+        "--backend",
+        "quasi-static",
+        "--seeds",
+        "2",
+        "--preset",
+        "literal-newtons",
+        "--quick",
+        "--quiet",
+        "--json",
+        "--out",
+        out.to_str().unwrap(),
+    ];
     let output = call(&args);
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
     let found: Value = serde_json::from_str(text(&output.stdout)).unwrap();
@@ -164,6 +201,51 @@ fn the_command_writes_tables_and_figures_whole() {
     assert_eq!(bare(&again), bare(text(&output.stdout)));
 }
 
+/// A set value is in every run and in the report, and readings are graded by the same list.
+#[test]
+fn a_reading_of_ones_own_is_graded() {
+    let set = |value: &str| {
+        let pair = format!("drive.pull_speed_m_per_s={value}");
+        let output = call(&["--backend", "quasi-static", "--seeds", "2", "--quick", "--json", "--set", &pair]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    };
+    let time = |found: &Value| {
+        let row = found["table"].as_array().unwrap().iter().find(|row| row["quantity"] == "time to nest, 4/4").unwrap();
+        row["ours"]["value"].as_f64().unwrap()
+    };
+    let [slow, fast] = ["0.02", "0.06"].map(set);
+    assert_eq!(slow["set"], serde_json::json!([["drive.pull_speed_m_per_s", 0.02]]));
+    // Three times the speed over the same way, and two seeds that scatter by a fifth.
+    assert!(time(&slow) > 1.5 * time(&fast), "{} {}", time(&slow), time(&fast));
+}
+
+/// Each column of the table of readings is what its runs give, and the default is the default.
+#[test]
+fn readings_stand_beside_each_other() {
+    let room = tempdir().unwrap();
+    let out = room.path().join("out");
+    let output = call(&["readings", "--seeds", "2", "--seed", "11", "--quiet", "--json", "--out", out.to_str().unwrap()]);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let readings = found["readings"].as_array().unwrap();
+    assert_eq!(readings.len(), 4);
+    let runs = runs(&Trial::ALL, &Case::new(Preset::default(), BackendKind::QuasiStatic), 11..13);
+    let facts = facts_of(&units(&runs));
+    for (at, fact) in facts.iter().enumerate().take(8) {
+        assert_eq!(readings[0]["facts"][at]["value"].as_f64(), fact.value, "{}", fact.fact);
+    }
+    // In one step of 5 ms per millinewton a pull stays within one step of the wall at 10 mN, and
+    // one ant alone never moves the load.
+    let largest = readings[3]["facts"][2]["value"].as_f64().unwrap();
+    assert!(largest < 0.013, "{largest}");
+    assert!(readings[3]["time_of_one_s"].is_null() && readings[3]["chance_to_move"].as_f64().unwrap() < 1e-9);
+    let rows = csv::Reader::from_path(out.join("readings.csv")).unwrap().records().count();
+    assert_eq!(rows, 4 * facts.len());
+    let page = fs::read_to_string(out.join("README.md")).unwrap().replace("\n  ", " ");
+    assert!(page.contains("cohaul paper --preset literal-millinewtons --set control_period_s=0.005"), "{page}");
+}
+
 /// A journal of another question is refused and stays.
 #[test]
 fn a_foreign_state_and_nonsense_are_usage() {
@@ -178,6 +260,9 @@ fn a_foreign_state_and_nonsense_are_usage() {
         (&["--seeds", "1"], "--seeds"),
         (&["--seeds", "many"], "--seeds"),
         (&["--seed", "-3"], "-3"),
+        (&["--set", "drive.pull_speed_m_per_s"], "KEY=VALUE"),
+        (&["--set", "drive.pull_speed_m_per_s=fast"], "drive.pull_speed_m_per_s"),
+        (&["--set", "drive.pull_speed=1"], "drive.pull_speed"),
         (&["flying"], "flying"),
         (&["--quick", "--out", folder], "not a journal"),
     ] {

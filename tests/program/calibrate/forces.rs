@@ -4,6 +4,8 @@ use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, Trace};
 use cohaul_paper::calibrate::{Case, MOST_TURN, Recording, Sample, Sensor, Tip, summaries, tip_forces};
+use cohaul_paper::colony;
+use cohaul_paper::paper::Transport;
 
 use super::generated::Plan;
 use super::{TRUTH, of};
@@ -157,4 +159,39 @@ fn the_mean_force_is_as_uncertain_as_the_calibration() {
     // Pulls along the spring: all of the error is that of kappa_rho.
     assert!((summary.mean_error_n / summary.mean_n / (radial.standard_error / radial.value) - 1.0).abs() < 1e-9, "{summary:?}");
     assert!((summary.mean_n / (radial.value * 4.995e-3) - 1.0).abs() < 1e-9);
+}
+
+/// Eq. (4) by hand over the pulls that the run recorded, beside what the recording of its tips
+/// shows: the same window, and the same mean.
+#[test]
+fn a_recording_shows_the_interaction_forces_of_its_run() {
+    let (scenario, trace) = run("paper/four-ants-four-springs.json", 40.0);
+    let recording = recorded(&trace);
+    let found = tip_forces(&recording, &Sensor::exact(scenario.system.springs.clone()));
+    let rows = colony::recorded(&recording, &found).unwrap();
+    let shown = Transport::of(&rows.rows, rows.period, None, 1).unwrap();
+    let mut sizes: Vec<usize> = trace.rows.iter().map(|row| row.tips.len()).filter(|n| *n > 0).collect();
+    sizes.sort_unstable();
+    assert_eq!(shown.n_gathered, sizes[sizes.len() / 2]);
+    let first = trace.rows.iter().find(|row| row.tips.len() == shown.n_gathered).unwrap();
+    let [from, to] = shown.window_s;
+    assert!((from - first.time).abs() < 1e-9 && to > 39.0, "{from} {to}");
+    // A look every 20 ms, which are eight ticks.
+    let within = trace.rows.iter().filter(|row| row.time > from - 1e-9 && row.time < to - 1e-9);
+    let sums = within.step_by(8).map(|row| {
+        let mut sum = 0.0;
+        for (at, one) in row.tips.iter().enumerate() {
+            for other in row.tips.iter().skip(at + 1) {
+                let apart = one.position - other.position;
+                sum += ((one.pull - other.pull).dot(&apart) / apart.norm()).abs();
+            }
+        }
+        sum
+    });
+    let sums = Summary::of(sums);
+    // Rounding of positions of 0.1 m times 0.7 N/m, over hundreds of looks.
+    assert!((shown.interaction_n - sums.mean()).abs() < 1e-12 && sums.mean() > 1e-3, "{} {}", shown.interaction_n, sums.mean());
+    let n_windows = shown.by_group_size.iter().map(|of| of.time_s).sum::<f64>() / 0.5;
+    assert!((n_windows - (rows.rows.len() / 200) as f64).abs() < 1.5, "{n_windows}");
+    assert!(shown.text().contains("pull from") && shown.series_table().rows.len() as f64 == n_windows.round());
 }

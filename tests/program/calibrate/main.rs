@@ -9,6 +9,8 @@ mod design;
 mod fit;
 mod forces;
 mod generated;
+mod generated_grid;
+mod grid;
 mod observed;
 mod program;
 mod pulls;

@@ -48,7 +48,7 @@ const EXAMPLE: &str = "data/spring-calibration.csv";
 /// folder.
 #[test]
 fn the_commands_of_the_book_run_one_after_the_other() {
-    for (page, n) in [("force-sensor", 5), ("behaviour", 6), ("colony", 3)] {
+    for (page, n) in [("force-sensor", 6), ("behaviour", 6), ("colony", 3)] {
         let room = Room(tempdir().unwrap());
         let text_of_page = fs::read_to_string(crate::root::root().join(format!("docs/src/{page}.md"))).unwrap().replace("\\\n", " ");
         let of_program = |line| ["cargo run --release -- ", "cohaul "].iter().find_map(|start| str::strip_prefix(line, start));

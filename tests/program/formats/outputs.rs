@@ -176,6 +176,8 @@ impl Outputs {
         self.take(&["regime", "--quick", "--scene", "haul"]);
         self.take(&["paper", "--backend", "quasi-static", "--seeds", "2", "--quick"]);
         self.take(&["paper", "search", "--rows", "1", "--within", "0", "--seeds", "1", "--more-seeds", "2", "--most", "1"]);
+        self.take(&["paper", "readings", "--seeds", "2"]);
+        self.take(&["paper", "deadlocks", &self.ants(), "--seeds", "2"]);
         fs::write(self.path("bad.json"), "{}").unwrap();
         self.take(&["scenario", "check", JUMP, ROLL, &self.ants(), &self.path("bad.json")]);
         let like = ["--like", "examples/recordings/ants.json", "--fps", "50", "--bridge-s", "0.001"];
@@ -193,6 +195,7 @@ impl Outputs {
     fn calibrations(&mut self) {
         let (run, forces, fit) = (self.path("tips"), self.path("forces"), self.path("fit"));
         self.call(&["run", &self.ants(), "--tips", "--out", &run]);
+        self.take(&["calibrate", "grid", "data/load-cell.csv"]);
         self.take(&["calibrate", "fit", "data/spring-calibration.csv", "--out", &fit]);
         self.take(&["calibrate", "forces", &run, "--calibration", &format!("{fit}/calibration.json"), "--out", &forces]);
         self.take(&["calibrate", "behaviour", &run, "--tip-noise-m", "1e-6"]);

@@ -9,6 +9,7 @@ mod compare;
 mod conformance;
 mod console;
 mod cost;
+mod deadlocks;
 mod engine;
 mod error;
 mod exit;

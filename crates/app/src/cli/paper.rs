@@ -4,7 +4,7 @@ use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::{Args, Subcommand};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::choice::{choice, choice_of};
 use super::console::{Tone, detail};
@@ -16,6 +16,7 @@ use cohaul::backend::{BackendKind, Status};
 use cohaul::scenario::presets::Preset;
 use cohaul_paper::paper::figure;
 use cohaul_paper::paper::files::write_paper;
+use cohaul_paper::paper::readings::{Readings, write_readings};
 use cohaul_paper::paper::report::{Paper, runs_by_set};
 use cohaul_paper::paper::search::Stage;
 use cohaul_paper::paper::search::files::write_search;
@@ -31,8 +32,11 @@ use cohaul_report::manifest::Manifest;
     after_help = "\
 Examples:
   cohaul paper --quick
-  cohaul paper --seeds 200 --out out/paper
+  cohaul paper --seeds 400 --out out/paper
   cohaul paper --backend quasi-static inertial --preset aged
+  cohaul paper --quick --set drive.pull_speed_m_per_s=0.02
+  cohaul paper readings
+  cohaul paper deadlocks scenarios/paper/corridor.json
   cohaul paper search --out out/search
 
 Files in DIR: tables (CSV), figures (SVG), README.md, report.html, summary.json
@@ -41,10 +45,10 @@ and manifest.json. The state of an interrupted run is kept in DIR.journal."
 pub struct PaperArgs {
     #[command(subcommand)]
     command: Option<PaperCommand>,
-    /// Number of seeds of the main set [default: 200; with --quick 12]
+    /// Number of seeds of the first set [default: 400; with --quick 12]
     ///
-    /// Rapier, other masses and other presets get fewer seeds. Below 8 seeds, other presets are
-    /// left out.
+    /// The other exact backend gets half as many but with --quick, and rapier, other masses and
+    /// other presets fewer. Below 8 seeds, other presets are left out.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100_000))]
     seeds: Option<u64>,
     /// First seed
@@ -56,6 +60,12 @@ pub struct PaperArgs {
     /// Parameters of the ants
     #[arg(long, value_name = "NAME", default_value = Preset::default().name(), value_parser = choice_of::<Preset>("preset"))]
     preset: Preset,
+    /// Set a key of the scenarios, as drive.pull_speed_m_per_s=0.02
+    ///
+    /// The option may be given several times. Every set of runs has the values; other presets are
+    /// left out.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = setting)]
+    set: Vec<(String, Value)>,
     /// A few seeds, one other mass, and no replays: half a minute instead of five
     #[arg(long)]
     quick: bool,
@@ -67,6 +77,50 @@ pub struct PaperArgs {
 enum PaperCommand {
     /// Find all parameter sets that the paper allows, and what holds over them
     Search(SearchArgs),
+    /// Compare readings of what the paper leaves open, fact by fact
+    Readings(ReadingsArgs),
+    /// Measure how long loads stand still before obstacles, and how that ends
+    Deadlocks(super::deadlocks::DeadlocksArgs),
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul paper readings --seeds 8
+  cohaul paper readings --out out/readings
+
+Files in DIR: readings.csv, README.md, summary.json and manifest.json. The
+state of an interrupted run is kept in DIR.journal.")]
+struct ReadingsArgs {
+    /// Number of seeds of each reading
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(2..=100_000))]
+    seeds: u64,
+    /// First seed
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+fn readings(args: &ReadingsArgs) -> Result<ExitCode, CliError> {
+    args.output.check()?;
+    let plan = paper::readings::plan(args.seed, args.seeds);
+    let started = SystemTime::now();
+    let finished = resumable::run("paper readings", &json!({ "plan": plan }), &paper::tasks(&plan), args.output.out.as_deref())?;
+    let found = Readings::new(&plan, &finished.records);
+    if let Some(out) = &args.output.out {
+        let question = json!({ "name": "readings of the paper", "plan": plan });
+        write_readings(out, &found, &study_manifest(&question, &json!(plan), started))?;
+    }
+    finished.remove_journal()?;
+    args.output.print(&found, || found.text(), Tone::Good)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A key of a scenario and its value, as JSON or else as a word.
+fn setting(text: &str) -> Result<(String, Value), String> {
+    let (key, value) = text.split_once('=').ok_or_else(|| format!("must be KEY=VALUE, found {text}"))?;
+    Ok((key.to_owned(), serde_json::from_str(value).unwrap_or_else(|_| value.into())))
 }
 
 #[derive(Args)]
@@ -133,17 +187,22 @@ fn search(args: &SearchArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Default number of seeds: it gives the printed size of the sample of pulls.
-const SEEDS: u64 = 200;
+/// Default number of seeds: a tenth of the runs of four ants is then known to 3 %.
+const SEEDS: u64 = 400;
 const QUICK_SEEDS: u64 = 12;
 /// Below this number of seeds, other presets are left out.
 const FEWEST_FOR_OTHERS: u64 = 8;
 
 pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
-    if let Some(PaperCommand::Search(args)) = &args.command {
-        return search(args);
+    match &args.command {
+        Some(PaperCommand::Search(args)) => return search(args),
+        Some(PaperCommand::Readings(args)) => return readings(args),
+        Some(PaperCommand::Deadlocks(args)) => return super::deadlocks::deadlocks(args),
+        None => args.output.check()?,
     }
-    args.output.check()?;
+    for trial in Trial::ALL {
+        trial.checked(&Case { set: args.set.clone(), ..Case::new(args.preset, BackendKind::QuasiStatic) }, args.seed)?;
+    }
     let plan = plan(args);
     let started = SystemTime::now();
     let finished = resumable::run("paper", &json!({ "plan": plan }), &paper::tasks(&plan), args.output.out.as_deref())?;
@@ -167,7 +226,9 @@ fn plan(args: &PaperArgs) -> Plan {
     let asked: &[BackendKind] = if args.backend.is_empty() { &BackendKind::COMPARED } else { &args.backend };
     let is_asked = |backend: &BackendKind| asked.contains(backend);
     let fewer = |by: u64, least: u64| (n_seeds / by).max(least).min(n_seeds);
+    let by = if args.quick { 4 } else { 8 };
     let set = |case: Case, n_seeds: u64| {
+        let case = Case { set: args.set.clone(), ..case };
         // An engine is slow, and other models need no large teams.
         let has_crowd = case.preset == args.preset && case.backend.is_exact();
         let of_crowd = if args.quick { 4 } else { n_seeds.div_ceil(4) };
@@ -175,17 +236,21 @@ fn plan(args: &PaperArgs) -> Plan {
     };
     let mut sets: Vec<Set> = Vec::new();
     for backend in BackendKind::ALL.into_iter().filter(is_asked) {
-        let n_seeds = if backend.is_exact() { n_seeds } else { fewer(4, 2) };
+        let n_seeds = match backend.is_exact() {
+            true if sets.is_empty() || args.quick => n_seeds,
+            true => fewer(2, 2),
+            false => fewer(by, 2),
+        };
         sets.push(set(Case::new(args.preset, backend), n_seeds));
     }
     if is_asked(&BackendKind::Inertial) {
         let factors: &[f64] = if args.quick { &[100.0] } else { &[0.1, 10.0, 100.0] };
-        let scaled = |inertia: &f64| set(Case { inertia: *inertia, ..Case::new(args.preset, BackendKind::Inertial) }, fewer(4, 4));
+        let scaled = |inertia: &f64| set(Case { inertia: *inertia, ..Case::new(args.preset, BackendKind::Inertial) }, fewer(by, 4));
         sets.extend(factors.iter().map(scaled));
     }
-    let has_others = is_asked(&BackendKind::QuasiStatic) && n_seeds >= FEWEST_FOR_OTHERS;
+    let has_others = args.set.is_empty() && is_asked(&BackendKind::QuasiStatic) && n_seeds >= FEWEST_FOR_OTHERS;
     if has_others {
-        let other = |preset: Preset| set(Case::new(preset, BackendKind::QuasiStatic), fewer(8, 2));
+        let other = |preset: Preset| set(Case::new(preset, BackendKind::QuasiStatic), fewer(2 * by, 2));
         sets.extend(Preset::ALL.into_iter().filter(|preset| *preset != args.preset).map(other));
     }
     let has_all = BackendKind::COMPARED.iter().all(is_asked);
@@ -200,7 +265,7 @@ fn plan(args: &PaperArgs) -> Plan {
 
 /// The manifest names the trials as run at the first seed.
 fn manifest(plan: &Plan, started: SystemTime) -> Manifest {
-    let case = Case::new(plan.preset, BackendKind::QuasiStatic);
+    let case = Case { backend: BackendKind::QuasiStatic, inertia: 1.0, ..plan.sets[0].case.clone() };
     let trials: Vec<_> = Trial::ALL.into_iter().map(|trial| trial.scenario(&case, plan.first_seed).expanded()).collect();
     study_manifest(&json!({ "name": "the paper's trials", "trials": trials }), &json!(plan), started)
 }

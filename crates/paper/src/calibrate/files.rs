@@ -5,6 +5,7 @@ use std::path::Path;
 use super::figure;
 use super::fit::Calibration;
 use super::forces::{Force, ForcesReport};
+use super::load_cell::{GridReport, LoadCell, measurement_table};
 use super::measurements::{Measurements, Trial};
 use super::text::fit_text;
 use cohaul::formats::Versioned;
@@ -73,7 +74,7 @@ pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Meas
 }
 
 /// Writes `forces.csv`, `forces.json`, `forces.svg` and `manifest.json` to the folder `target`, all
-/// or nothing.
+/// or nothing; and `series.csv` of a recording that has the pose of the load.
 ///
 /// # Errors
 ///
@@ -81,8 +82,30 @@ pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Meas
 pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &[Force], manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     folder.write("forces.csv", |out| force_table(forces).write_csv(out))?;
+    if let Some(transport) = &found.transport {
+        folder.write("series.csv", |out| transport.series_table().write_csv(out))?;
+    }
     folder.write_json("forces.json", found)?;
     folder.write("forces.svg", |out| out.write_all(figure::tip_forces(forces).as_bytes()))?;
+    folder.finish(manifest)
+}
+
+/// Writes `measurements.csv`, which `calibrate fit` reads, the table `lookup.csv`, `grid.json` and
+/// `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_grid(
+    target: &Path,
+    found: &GridReport,
+    readings: &LoadCell,
+    measurements: &Measurements,
+    manifest: &Manifest,
+) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write("measurements.csv", |out| measurement_table(measurements).write_csv(out))?;
+    folder.write("lookup.csv", |out| readings.lookup().write_csv(out))?;
+    folder.write_json("grid.json", found)?;
     folder.finish(manifest)
 }
 

@@ -23,6 +23,7 @@ use serde::Serialize;
 use super::case::{Case, MOST_TURN};
 use super::recording::{Recording, Sample, Tip};
 use super::sensor::Sensor;
+use crate::paper::Transport;
 use cohaul::formats::{self, Format, Versioned};
 use cohaul::math::{Pose, Summary, Vec2};
 use cohaul::model::{PolarSpring, SpringDesign, SpringShape};
@@ -77,6 +78,9 @@ pub struct ForcesReport {
     /// One entry for each recorded spring, then one for all together.
     pub springs: Vec<ForceSummary>,
     pub tip_noise_m: f64,
+    /// Load speed, turn rate, interaction forces and group size, with the test for a phase change;
+    /// `null` for tips in the frames of their roots, and for a recording below half a second.
+    pub transport: Option<Transport>,
     pub warnings: Vec<String>,
 }
 

@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! case          three directions of loading, with the laws of Eq. (1) to (3) and linear laws
+//! load_cell     readings on a grid of tip positions, as lookup table and by case
 //! measurements  forces against displacements, trial by trial
 //! trials        one slope from several trials, with its interval
 //! fit           Young's modulus, kappa_rho and kappa_tau of measurements
@@ -25,6 +26,7 @@ pub mod files;
 mod fit;
 mod forces;
 mod law;
+mod load_cell;
 mod measurements;
 mod pulls;
 mod quality;
@@ -40,6 +42,7 @@ pub use dimensions::Dimensions;
 pub use equivalents::{RadialEquivalents, SwingEquivalents, least_squares_stiffness};
 pub use fit::{Calibration, CaseFit, LinearFit, Ranges, fit};
 pub use forces::{Force, ForceSummary, ForcesReport, summaries, tip_forces};
+pub use load_cell::{GridReport, LoadCell};
 pub use measurements::{Measurement, Measurements, Trial};
 pub use pulls::{PullComparison, PullSample, PullSeries, block_duration, compare_pulls};
 pub use quality::{Bend, Goodness, Misfit};

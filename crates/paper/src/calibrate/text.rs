@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::design::{DesignReport, Made};
 use super::fit::{Calibration, LinearFit};
 use super::forces::{ForceSummary, ForcesReport};
+use super::load_cell::GridReport;
 use super::pulls::PullComparison;
 use super::quality::Goodness;
 use super::trials::Estimate;
@@ -175,7 +176,24 @@ pub fn forces_text(found: &ForcesReport) -> String {
         fields.into_iter().chain(apart).collect::<Vec<_>>()
     };
     let n_columns = if has_model { 6 } else { 5 };
-    Table::new("", columns.into_iter().take(n_columns)).with_rows(found.springs.iter().map(row)).text()
+    let forces = Table::new("", columns.into_iter().take(n_columns)).with_rows(found.springs.iter().map(row)).text();
+    let transport = found.transport.as_ref().map_or_else(String::new, |transport| format!("\n{}", transport.text()));
+    forces + &transport
+}
+
+pub fn grid_text(found: &GridReport) -> String {
+    let mut text = String::new();
+    let size = format!("{} readings of {} trials at {} x {} places", found.n_readings, found.n_trials, found.n_x, found.n_y);
+    line(&mut text, "grid", &size);
+    for (case, n) in &found.n_of_case {
+        line(&mut text, case.name(), &format!("{n} readings for calibrate fit"));
+    }
+    for (name, sd) in [("radial", found.radial_sd_n), ("tangential", found.tangential_sd_n)] {
+        if let Some(sd) = sd {
+            line(&mut text, &format!("sd, {name}"), &format!("{} between trials, mean over the places", quantity(sd, "N")));
+        }
+    }
+    text
 }
 
 pub fn pulls_text(found: &PullComparison) -> String {

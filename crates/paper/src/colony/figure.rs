@@ -107,7 +107,7 @@ fn group_size(found: &Colony) -> Drawn {
 fn over_times(recorded: &Recorded, run: &[Row], period: f64, seed: u64) -> Drawn {
     let of = |rows: &[Row], period: f64, name: &str| {
         let series = series(rows, period);
-        let mut panels = over_time(&series, &Changes::of(&series, seed));
+        let mut panels = over_time(&series, &Changes::of(&series, seed), series.span());
         panels.iter_mut().for_each(|panel| panel.x_label = format!("{name}: time (s)"));
         panels
     };
@@ -156,11 +156,13 @@ fn shown(found: &Colony, recorded: &Recorded, fitted: &Scenario) -> Shown {
         Drive::Ants(ants) => (ants.nest_position, ants.arrival_radius),
         _ => (Vec2::zeros(), 0.0),
     };
+    let series = series(rows, recorded.period);
     Shown {
         trial: None,
         seed: found.first_seed,
-        series: series(rows, recorded.period),
         changes: found.changes,
+        window_s: series.span(),
+        series,
         path: rows.iter().map(|row| row.motion.pose.position).collect(),
         snapshots: SHARES.map(snapshot).to_vec(),
         load_radius: fitted.system.load.radius,

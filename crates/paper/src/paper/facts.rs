@@ -6,11 +6,12 @@ use super::change::{Change, change_of_mean};
 use super::force::{ForceAt, inertial_forces};
 use super::phase::{PhaseChange, phase_change};
 use super::trial::{Case, Trial};
+use super::window::window;
 use cohaul::backend::{BackendOptions, Status};
 use cohaul::math::Summary;
 use cohaul::model::interaction_force;
 use cohaul::model::paper::MEASURED_LIMIT_N;
-use cohaul::scenario::Scenario;
+use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{EventKind, Keep, Row, Simulation, Trace};
 
 /// One run in a few numbers.
@@ -54,7 +55,8 @@ pub struct OfSize {
     pub way_m: f64,
 }
 
-/// Where the three series of a run change their mean; `None` where a series is too short.
+/// Where the three series of a run change their mean within its [`window`]; `None` where a series
+/// is too short.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Changes {
     pub speed: Option<At<Change>>,
@@ -73,7 +75,7 @@ pub struct At<T> {
 }
 
 /// Speed of the load, its turn rate and the sum of all interaction forces (Eq. 4), as means over
-/// windows from the first grasp on.
+/// windows of equal length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Start of the first window (s).
@@ -128,7 +130,7 @@ pub(super) fn run_scenario(trial: Trial, scenario: &Scenario, options: &BackendO
         n_pulls_above: pulls().filter(|pull| *pull > MEASURED_LIMIT_N).count() as u64,
         by_size: by_size(&trace, trial.n_ants(), 1),
         by_window: WINDOWS.map(|window| by_size(&trace, trial.n_ants(), ticks_in(window, scenario))),
-        changes: Changes::of(&series_of(&trace, scenario), scenario.seed),
+        changes: Changes::of(&series_in_window(&trace, scenario), scenario.seed),
         inertial_force: if options.kind.has_inertia() { inertial_forces(&trace, scenario.system.load.mass) } else { Vec::new() },
     })
 }
@@ -151,13 +153,17 @@ fn ticks_in(duration: f64, scenario: &Scenario) -> usize {
     (duration / scenario.control_period).round().max(1.0) as usize
 }
 
-/// The three series of a run; empty without a grasp. An incomplete last window is left out.
+/// The three series of a run from its first grasp to its end; empty without a grasp.
 pub fn series_of(trace: &Trace, scenario: &Scenario) -> Series {
-    let Some(start_s) = trace.events.iter().find(|event| event.kind == EventKind::Grasp).map(|event| event.time) else {
-        return Series::default();
-    };
-    let first = trace.rows.partition_point(|row| row.time < start_s);
-    Series { start_s, ..Series::of_rows(&trace.rows[first..], scenario.control_period, 1) }
+    let first = trace.rows.partition_point(|row| row.tips.is_empty());
+    Series::of_rows(&trace.rows[first..], scenario.control_period, 1)
+}
+
+/// The three series of a run within its [`window`]; empty where no window begins.
+pub fn series_in_window(trace: &Trace, scenario: &Scenario) -> Series {
+    let Drive::Ants(ants) = &scenario.drive else { return Series::default() };
+    let n_pulling = ants.n_ants.min(scenario.system.springs.len());
+    Series::of_rows(window(&trace.rows, n_pulling, Some(ants.nest_position)), scenario.control_period, 1)
 }
 
 impl Series {
@@ -180,6 +186,11 @@ impl Series {
             series.interaction.push(looked_at.map(interaction).sum::<f64>() / n);
         }
         series
+    }
+
+    /// Start of the first window and end of the last one (s).
+    pub fn span(&self) -> [f64; 2] {
+        [self.start_s, self.start_s + self.window_s * self.speed.len() as f64]
     }
 }
 

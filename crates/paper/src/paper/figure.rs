@@ -10,7 +10,8 @@ use cohaul::model::paper as printed;
 use cohaul_report::chart::MILLI;
 use cohaul_report::chart::canvas::natural_height;
 use cohaul_report::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use cohaul_report::chart::{COLUMN_WIDTH, PANEL_HEIGHT, ROW_HEIGHT, WIDTH, alone, grid};
+use cohaul_report::chart::print::Width;
+use cohaul_report::chart::{PANEL_HEIGHT, ROW_HEIGHT, WIDTH, alone, grid};
 use cohaul_report::quantity::quantity;
 
 const FAINT: Style = Style { color: "#999999", dash: "2 2.5", width: 1.0 };
@@ -196,9 +197,11 @@ const FRICTION: Style = Style { color: "#999999", dash: "7 3", width: 1.6 };
 /// Name of the file, caption and SVG of each figure.
 pub type Figures = Vec<(&'static str, &'static str, String)>;
 
-/// All figures: pulls, group sizes, backends, the inertial force, and one run.
+/// All figures: pulls, group sizes, backends, the inertial force, and one run. None is wider than a
+/// page in print, on which its text then has 6 to 8 pt.
 pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Figures {
-    let columns = |drawn| in_grid(drawn, 2, COLUMN_WIDTH, PANEL_HEIGHT);
+    let page = Width::TwoColumns.px();
+    let columns = |drawn| in_grid(drawn, 2, page / 2.0, PANEL_HEIGHT);
     let mut figures = vec![
         ("pulls", "Pulls by trial, and the largest one against the size of the sample", columns(pulls(found, units, largest))),
         (
@@ -219,7 +222,7 @@ pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: 
         let series = in_grid(figure_run::transition(shown, &runs), 1, WIDTH, ROW_HEIGHT);
         let caption = "Speed, turn rate and interaction forces of one run of four ants, with their changes of mean";
         figures.push(("transition", caption, series));
-        figures.push(("snapshots", "The same run, in moments", in_grid(figure_run::snapshots(shown), 3, SNAPSHOT, SNAPSHOT)));
+        figures.push(("snapshots", "The same run, in moments", in_grid(figure_run::snapshots(shown), 3, page / 3.0, page / 3.0)));
         let path = figure_run::path(shown);
         figures.push(("path", "Its path", alone(&path, vec![], natural_height(&path, WIDTH))));
     }
@@ -229,5 +232,3 @@ pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: 
 fn in_grid((panels, legend): (Vec<Panel>, Vec<Entry>), n_columns: usize, width: f64, height: f64) -> String {
     grid(&panels, &[legend], n_columns, width, height)
 }
-
-const SNAPSHOT: f64 = 330.0;

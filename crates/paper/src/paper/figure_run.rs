@@ -15,7 +15,7 @@ const BEFORE: Style = Style { color: "#000000", dash: "", width: 1.6 };
 /// Speed, turn rate and interaction over time, each with its best change of mean, and the times of
 /// change of all runs.
 pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>) {
-    let panels = [over_time(&shown.series, &shown.changes).to_vec(), vec![when(runs)]].concat();
+    let panels = [over_time(&shown.series, &shown.changes, shown.window_s).to_vec(), vec![when(runs)]].concat();
     let trial = shown.trial.map_or(String::new(), |trial| format!(", trial {}", trial.name()));
     let entries = vec![
         Entry::line(format!("means over {} s{trial}, seed {}", number(WINDOW_S), shown.seed), OURS),
@@ -28,25 +28,26 @@ pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>)
     (panels, entries)
 }
 
-/// Speed, turn rate and interaction over time, each with its best change of mean.
-pub(crate) fn over_time(series: &Series, changes: &Changes) -> [Panel; 3] {
+/// Speed, turn rate and interaction over time, each with its best change of mean within a `window`
+/// of time (s).
+pub(crate) fn over_time(series: &Series, changes: &Changes, window: [f64; 2]) -> [Panel; 3] {
     [
-        one_over_time("load speed (mm/s)", series, &series.speed, MILLI, &changes.speed),
-        one_over_time("turn rate (rad/s)", series, &series.turn_rate, 1.0, &changes.turn_rate),
-        one_over_time("interaction forces (mN)", series, &series.interaction, MILLI, &changes.interaction),
+        one_over_time("load speed (mm/s)", (series, &series.speed, MILLI), &changes.speed, window),
+        one_over_time("turn rate (rad/s)", (series, &series.turn_rate, 1.0), &changes.turn_rate, window),
+        one_over_time("interaction forces (mN)", (series, &series.interaction, MILLI), &changes.interaction, window),
     ]
 }
 
-fn one_over_time(label: &str, of: &Series, values: &[f64], unit: f64, change: &Option<At<Change>>) -> Panel {
+/// One of the series with its values and their factor to the unit of the label.
+fn one_over_time(label: &str, (of, values, unit): (&Series, &[f64], f64), change: &Option<At<Change>>, [from, to]: [f64; 2]) -> Panel {
     let start = of.start_s;
     let mut panel = Panel::new("time (s)", label, Scale::FromZero);
     let points = values.iter().enumerate().map(|(at, value)| [start + of.window_s * (at as f64 + 0.5), unit * value]).collect();
     panel.curves.push(Curve::new(points, OURS, Shape::Graph));
     if let Some(At { time_s, change }) = change {
-        let end = start + of.window_s * values.len() as f64;
         panel.marks.push(Mark { at: Across::Vertical(*time_s), style: PRINTED });
-        panel.curves.push(Curve::new(vec![[start, unit * change.mean_before], [*time_s, unit * change.mean_before]], BEFORE, Shape::Path));
-        panel.curves.push(Curve::new(vec![[*time_s, unit * change.mean_after], [end, unit * change.mean_after]], BEFORE, Shape::Path));
+        panel.curves.push(Curve::new(vec![[from, unit * change.mean_before], [*time_s, unit * change.mean_before]], BEFORE, Shape::Path));
+        panel.curves.push(Curve::new(vec![[*time_s, unit * change.mean_after], [to, unit * change.mean_after]], BEFORE, Shape::Path));
         let what = if change.is_significant() { "change" } else { "no change beyond chance: likeliest" };
         panel.note = Some(format!("{what} at {} s, p = {}", number(*time_s), number(change.p_value)));
     }

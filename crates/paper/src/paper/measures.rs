@@ -33,14 +33,18 @@ pub enum Measure {
     Headway(u8),
     /// Speed towards the nest of one ant on one spring over that of four on four (1).
     SpeedOfOne,
-    /// Load speed while on average so many of five ants pulled, over that while all five did (1).
-    OverFive(usize),
+    /// Load speed while on average two ants pulled, over that while three did (1).
+    TwoOverThree,
     /// Speed that each further ant adds beyond five on ten springs, over what ants from two to five
     /// add (1).
     LateGain,
-    /// Load speed that each further pulling ant adds beyond five, over what those from two to five
-    /// add (1).
-    LateGainPulling,
+    /// Curvature of the load speed over two to ten pulling ants, over its slope (1): both of the
+    /// parabola that is closest to all of these speeds.
+    Curvature,
+    /// Share of the runs of a trial that last longer than the printed time of the phase change (1).
+    Lasts(Trial),
+    /// Share of all samples with one pulling ant, if each trial has as many runs (1).
+    ShareOfOne,
     /// Load speed with ten pulling ants over that with nine (1).
     TenOverNine,
     /// Time to nest of ten ants over that of five (1).
@@ -60,7 +64,7 @@ pub enum PhaseSign {
 
 impl PhaseSign {
     /// Whether a run shows it; `None` where the run is too short to tell.
-    fn is_in(self, changes: &Changes) -> Option<bool> {
+    pub(super) fn is_in(self, changes: &Changes) -> Option<bool> {
         let (change, is_up) = match self {
             PhaseSign::SpeedRises => (changes.speed, true),
             PhaseSign::TurnRateRises => (changes.turn_rate, true),
@@ -90,7 +94,8 @@ pub fn measures() -> Vec<Measure> {
     let ratios = [Measure::TenOverFive, Measure::FiveOverFour, Measure::TenOverNine];
     let signs = [PhaseSign::SpeedRises, PhaseSign::TurnRateRises, PhaseSign::InteractionFalls, PhaseSign::AllAtOnce];
     let phases = signs.map(|sign| Measure::Phase(sign, Trial::FourFour));
-    by_sampling.chain(by_trial).chain(sizes).chain(times).chain(ratios).chain(phases).collect()
+    let of_time = [Measure::ShareOfOne, Measure::Lasts(Trial::FourFour)];
+    by_sampling.chain(by_trial).chain(sizes).chain(times).chain(of_time).chain(ratios).chain(phases).collect()
 }
 
 impl Measure {
@@ -122,8 +127,10 @@ impl Measure {
             Measure::LoadSpeed(size) => format!("load speed, {size} pulling ants"),
             Measure::SpeedOfOne => "speed of one ant over that of four".to_owned(),
             Measure::Headway(n_ants) => format!("speed towards the nest, {n_ants}/10"),
-            Measure::OverFive(size) => format!("load speed with {size} pulling ants over that with five"),
-            Measure::LateGainPulling => "load speed gained per pulling ant from 5 to 10 over that from 2 to 5".to_owned(),
+            Measure::TwoOverThree => "load speed with two pulling ants over that with three".to_owned(),
+            Measure::Curvature => "curvature of the load speed over 2 to 10 pulling ants, over its slope".to_owned(),
+            Measure::Lasts(trial) => format!("share of runs that last longer than {} s, {}", printed::PHASE_CHANGE_S, trial.name()),
+            Measure::ShareOfOne => "share of samples with one pulling ant, equal numbers of runs".to_owned(),
             Measure::TenOverNine => "load speed with ten pulling ants over that with nine".to_owned(),
             Measure::LateGain => "speed gained per ant from 5/10 to 10/10 over that from 2/10 to 5/10".to_owned(),
             Measure::TenOverFive => "time to nest of ten ants over that of five".to_owned(),
@@ -153,11 +160,13 @@ impl Measure {
                 let share = Printed::share(printed_share(size), 0.5e-5);
                 Some(if size < printed::SMALLEST_OF_TEN { share } else { share.calibrated() })
             }
+            Measure::ShareOfOne => Some(Printed::share(printed::share_of_one(), 0.5e-5)),
             _ => None,
         }
     }
 
-    /// Estimate of all units, and its grade beside the printed number.
+    /// Estimate of all units, and its grade beside the printed number. The share of samples with
+    /// one ant has no grade: that each trial has as many runs is a guess.
     pub fn graded(self, units: &[Unit]) -> (Option<Estimate>, Option<Grade>) {
         let ours = self.estimate(units);
         (ours, ours.and_then(|ours| self.grade(units, &ours)))
@@ -200,6 +209,7 @@ impl Measure {
     fn hits<'u>(self, units: &'u [Unit<'u>]) -> Option<Vec<Option<bool>>> {
         match self {
             Measure::Arrived(trial) => Some(units.iter().map(|unit| Some(unit.of(trial)?.arrived)).collect()),
+            Measure::Lasts(trial) => Some(units.iter().map(|unit| Some(unit.of(trial)?.time_s > printed::PHASE_CHANGE_S)).collect()),
             Measure::Phase(sign, trial) => Some(units.iter().map(|unit| sign.is_in(&unit.of(trial)?.changes)).collect()),
             _ => None,
         }
@@ -213,7 +223,7 @@ impl Measure {
         let value = self.of(units)?;
         let standard_error = (n > 1).then(|| (value * (1.0 - value) / n as f64).sqrt());
         // A claim needs a limit that chance passes in 2.5 % at most, even for rare changes.
-        let of_hits = if matches!(self, Measure::Phase(..)) { exact_proportion_interval } else { proportion_interval };
+        let of_hits = if matches!(self, Measure::Phase(..) | Measure::Lasts(_)) { exact_proportion_interval } else { proportion_interval };
         let interval_95 = of_hits(n_hits, n, 0.95).filter(|_| n > 1);
         Some(Estimate { value, interval_95, standard_error, n_units: n as usize })
     }
@@ -243,20 +253,18 @@ impl Measure {
                 (all > 0.0).then(|| sum_of_size(units, Trial::TEN_TEN, size).time_s / all)
             }
             Measure::TimeToNest(trial) => mean(arrivals(units, trial)),
-            Measure::Arrived(_) | Measure::Phase(..) => {
+            Measure::Arrived(_) | Measure::Lasts(_) | Measure::Phase(..) => {
                 mean(self.hits(units)?.into_iter().flatten().map(|is_hit| f64::from(u8::from(is_hit))))
             }
             Measure::LoadSpeed(size) => speed_of(units, size),
             Measure::SpeedOfOne => Some(headway(units, Trial::OneOne)? / headway(units, Trial::FourFour)?),
             Measure::Headway(n_ants) => headway(units, Trial::OnTen(n_ants)),
-            Measure::OverFive(size) => Some(speed_of(units, size)? / speed_of(units, 5)?),
+            Measure::TwoOverThree => Some(speed_of(units, 2)? / speed_of(units, 3)?),
+            Measure::Curvature => curvature(units),
+            Measure::ShareOfOne => share_of_one(units),
             Measure::LateGain => {
                 let speed = |n_ants| headway(units, Trial::OnTen(n_ants));
                 let gain = |from: u8, to: u8| Some((speed(to)? - speed(from)?) / f64::from(to - from));
-                Some(gain(5, 10)? / gain(2, 5)?)
-            }
-            Measure::LateGainPulling => {
-                let gain = |from: usize, to: usize| Some((speed_of(units, to)? - speed_of(units, from)?) / (to - from) as f64);
                 Some(gain(5, 10)? / gain(2, 5)?)
             }
             Measure::TenOverNine => Some(speed_of(units, 10)? / speed_of(units, 9)?),
@@ -282,11 +290,58 @@ fn headway(units: &[Unit], trial: Trial) -> Option<f64> {
     (time > 0.0).then(|| way / time)
 }
 
+/// Quadratic over linear coefficient of the parabola closest to the load speeds with two to ten
+/// pulling ants, by least squares (1). About the mean size, powers of zero, one and two are
+/// independent but for the mean of the squares.
+fn curvature(units: &[Unit]) -> Option<f64> {
+    const SIZES: std::ops::RangeInclusive<usize> = 2..=10;
+    let n = SIZES.count() as f64;
+    let (mut linear, mut quadratic) = ([0.0; 2], [0.0; 2]);
+    let mean_square = (n * n - 1.0) / 12.0;
+    for size in SIZES {
+        let x = size as f64 - 0.5 * (SIZES.start() + SIZES.end()) as f64;
+        let (square, speed) = (x * x - mean_square, speed_of(units, size)?);
+        linear = [linear[0] + x * speed, linear[1] + x * x];
+        quadratic = [quadratic[0] + square * speed, quadratic[1] + square * square];
+    }
+    Some((quadratic[0] / quadratic[1]) / (linear[0] / linear[1]))
+}
+
+/// Time with one pulling ant over that with one or more, in as many runs of each trial (1).
+fn share_of_one(units: &[Unit]) -> Option<f64> {
+    let (mut of_one, mut of_any) = (0.0, 0.0);
+    for trial in Trial::ALL {
+        let n = runs(units, trial).count() as f64;
+        let times = |least: usize, most: usize| (least..=most).map(|size| sum_of_size(units, trial, size).time_s).sum::<f64>() / n;
+        of_one += times(1, 1);
+        of_any += times(1, trial.n_ants());
+    }
+    (of_any > 0.0).then(|| of_one / of_any)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::RunFacts;
     use crate::paper::units::units;
+    use crate::paper::{OfSize, RunFacts, WINDOWS};
+
+    /// Speeds of a parabola through 2 to 10 pulling ants, in runs of five and of ten ants.
+    #[test]
+    fn the_curvature_is_that_of_a_parabola() {
+        let speed = |size: usize| 0.02 + 3e-3 * (size as f64 - 6.0) - 2e-4 * (size as f64 - 6.0).powi(2);
+        let run = |n_ants: usize| {
+            let by_size: Vec<OfSize> = (0..=n_ants).map(|size| OfSize { time_s: 2.0, way_m: 2.0 * speed(size) }).collect();
+            RunFacts { by_window: WINDOWS.map(|_| by_size.clone()), by_size, ..RunFacts::nothing() }
+        };
+        let runs = [(Trial::FIVE_TEN, 1, run(5)), (Trial::TEN_TEN, 1, run(10))];
+        let found = Measure::Curvature.of(&units(&runs)).unwrap();
+        assert!((found + 2e-4 / 3e-3).abs() < 1e-12, "{found}");
+        // Five and ten ants spend 1 of 15 parts of their time with one; one and four ants are not
+        // there.
+        assert_eq!(Measure::ShareOfOne.of(&units(&runs)), None);
+        let all = [&runs[..], &[(Trial::OneOne, 1, run(1)), (Trial::FourFour, 1, run(4))]].concat();
+        assert!((Measure::ShareOfOne.of(&units(&all)).unwrap() - 4.0 / 20.0).abs() < 1e-12);
+    }
 
     /// If every run of one set arrives and none of the other, all resamples are equal. Fractions
     /// have intervals of their own.

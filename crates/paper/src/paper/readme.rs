@@ -23,7 +23,7 @@ const GRADES: &str = "
 Match: the two numbers are as close as two samples of the same runs, with the printed sample's own size. Near: certainly within 10 %, or within 0.05 of a share. Calibrated: as near, and parameters were chosen by it. Differs: certainly farther apart. Undecided: these seeds do not tell. A wider interval never makes a better grade. The paper's figures are known by form only: none of their values is compared.
 ";
 const NULLS: &str = "
-A claim holds where the whole interval is beyond the limit. Each limit is the value of a model that contradicts the claim, or beyond it: a speed proportional to the number of ants, or a run without phases. The paper gives no limits.
+A claim holds where the whole interval is beyond the limit. Each limit is the value of a model that contradicts the claim, or beyond it. In these models speed is proportional to the number of ants, a run has no phases, or one run in twenty lasts as long as the printed one. The paper gives no limits. Phases are looked for from the first instant at which all ants of the trial pull until the load is within 60 mm of the nest. Before that the interaction forces can only rise, and near the nest the direction to it turns fast.
 ";
 const FORCES: &str = "
 On the inertial backend. Positions are those of 30 video frames per second, averaged over the smoothing time; the first row of each trial is the acceleration at the control period. The paper says that inertial forces are of order 1e-4 mN, beside 22 mN of friction, and prints no smoothing time.
@@ -57,8 +57,9 @@ pub fn paper_page(found: &Paper, figures: &Figures, manifest: &Manifest) -> Page
 /// What made the results, and what the intervals are.
 fn made_by(found: &Paper) -> String {
     format!(
-        "Made by `cohaul paper`, preset `{}`, seeds from {}. Intervals are 95 %, Student's t times the standard error by the bootstrap over seeds; ticks and pulls of one run are not independent.",
-        found.preset, found.first_seed
+        "Made by `cohaul paper`, {}, seeds from {}. Intervals are 95 %, Student's t times the standard error by the bootstrap over seeds; ticks and pulls of one run are not independent.",
+        found.reading(),
+        found.first_seed
     )
 }
 
@@ -135,7 +136,7 @@ fn beside_each_other(found: &Paper) -> [Part; 3] {
             "One change of mean in a run",
             &["trial", "series", "runs", "significant", "of those rising", "median time"],
             &found.transitions,
-            "Best place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance.",
+            "Best place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance. From the first instant at which all ants pull to 60 mm before the nest.",
             |row| {
                 let [n_runs, n_significant, n_rising] = [row.n_runs, row.n_significant, row.n_rising].map(|n| n.to_string());
                 let median = row.median_time_s.map_or_else(String::new, |time| quantity(time, "s"));

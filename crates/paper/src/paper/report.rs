@@ -1,6 +1,7 @@
 //! The paper's results made again, for programs: tables that follow from the answers of a study.
 
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::paper::{
     Answer, At, Change, ChangeOf, Changes, Claim, Conclusion, Experiment, ForceRow, Grade, Missed, Mixture, Plan, Replayed, RunFacts, Set,
@@ -15,6 +16,9 @@ pub struct Paper {
     /// What became of the printed numbers and of the claims.
     pub answer: String,
     pub preset: &'static str,
+    /// Keys of the scenarios that were set, with their values.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<(String, Value)>,
     pub first_seed: u64,
     pub quick: bool,
     pub wall_s: f64,
@@ -105,6 +109,7 @@ impl Paper {
         Self {
             answer: answer(&table, &claims),
             preset: plan.preset.name(),
+            set: plan.sets[0].case.set.clone(),
             first_seed: plan.first_seed,
             quick,
             wall_s,
@@ -139,6 +144,14 @@ fn answer(table: &[TableRow], claims: &[Claim]) -> String {
         of_claims(Some(false)),
         of_claims(None)
     )
+}
+
+impl Paper {
+    /// The preset and what was set beside it, for people.
+    pub fn reading(&self) -> String {
+        let set = self.set.iter().map(|(key, value)| format!(" with {key} = {value}"));
+        format!("preset {}{}", self.preset, set.collect::<Vec<_>>().join(","))
+    }
 }
 
 /// Backend, inertia and preset, as far as they differ from the usual.

@@ -4,7 +4,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::facts::{Changes, Series, series_of};
+use super::facts::{Changes, Series, series_in_window, series_of};
 use super::trial::{Case, Trial};
 use cohaul::backend::Motion;
 use cohaul::math::{Pose, Summary, Vec2};
@@ -19,7 +19,9 @@ pub struct Shown {
     pub trial: Option<Trial>,
     pub seed: u64,
     pub series: Series,
+    /// Changes within the window of [`series_in_window`], and its start and end (s).
     pub changes: Changes,
+    pub window_s: [f64; 2],
     /// Of the load (m), at every window of the series.
     pub path: Vec<Vec2>,
     pub snapshots: Vec<Snapshot>,
@@ -70,12 +72,13 @@ pub fn shown(trial: Trial, case: &Case, seed: u64) -> Option<Shown> {
         })
     };
     let stride = (LOOK_S / scenario.control_period).round().max(1.0) as usize;
-    let series = series_of(&trace, &scenario);
+    let in_window = series_in_window(&trace, &scenario);
     Some(Shown {
         trial: Some(trial),
         seed,
-        changes: Changes::of(&series, seed),
-        series,
+        changes: Changes::of(&in_window, seed),
+        window_s: in_window.span(),
+        series: series_of(&trace, &scenario),
         path: trace.rows.iter().step_by(stride).map(|row| row.motion.pose.position).collect(),
         snapshots: instants.into_iter().filter_map(snapshot).collect(),
         load_radius: scenario.system.load.radius,

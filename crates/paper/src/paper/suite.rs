@@ -113,7 +113,9 @@ impl Plan {
     }
 
     fn replay(&self, trial: Trial, watch: &(impl Fn() -> bool + Sync)) -> Option<Replayed> {
-        let mut scenario = trial.scenario(&Case::new(self.preset, BackendKind::QuasiStatic), self.first_seed);
+        let first = &self.sets[0].case;
+        let case = Case { backend: BackendKind::QuasiStatic, inertia: 1.0, ..first.clone() };
+        let mut scenario = trial.scenario(&case, self.first_seed);
         scenario.duration = scenario.duration.min(self.replayed_s);
         let found = ThreeWay::new(&scenario, &Settings::default()).replayed(|_| watch())?;
         Some(Replayed {

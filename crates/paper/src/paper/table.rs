@@ -115,8 +115,10 @@ fn why(measure: Measure) -> &'static str {
         Measure::MixtureShare(_) => {
             "the weights of the trials are those that bring all printed counts closest; the paper does not print how many runs each trial had"
         }
+        Measure::ShareOfOne => "a guess without a grade: the paper does not print how many runs each trial had",
+        Measure::Lasts(_) => "the paper's one run of four ants changes at 83 s; goes with the inferred walking speed of pulling ants",
         Measure::Phase(..) => "the paper shows one run; chance makes 2.5 % of runs significant, and 5 % of the change of all three",
-        Measure::TimeToNest(_) => "not printed beyond an order of 100 s; goes with the inferred walking speed of pulling ants",
+        Measure::TimeToNest(_) => "goes with the inferred walking speed of pulling ants",
         Measure::Arrived(_) => "within the longest time of the scenario; not printed",
         _ => "a ratio that no inferred speed changes much",
     }

@@ -10,7 +10,7 @@ use cohaul_report::text::{Detail, WIDTH, listed};
 /// The answer, what is not reproduced, and conclusions that change; in full, also quantities beside
 /// printed ones, claims, speed by group size, transitions, backends and replayed runs.
 pub fn paper_text(found: &Paper, detail: Detail) -> String {
-    let head = format!("{}\n\npreset {}, seeds from {}\n", wrapped(&found.answer, 0, WIDTH), found.preset, found.first_seed);
+    let head = format!("{}\n\n{}, seeds from {}\n", wrapped(&found.answer, 0, WIDTH), found.reading(), found.first_seed);
     let sets = section("sets of runs", &found.sets, |set| {
         vec![set.name.clone(), format!("{} seeds", set.n_seeds), format!("{} of {} runs arrived", set.n_arrived, set.n_runs)]
     });

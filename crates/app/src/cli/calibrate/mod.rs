@@ -1,10 +1,11 @@
-//! `cohaul calibrate fit|design|forces|behaviour|pulls`.
+//! `cohaul calibrate grid|fit|design|forces|behaviour|pulls`.
 
 mod behaviour;
 mod design;
 mod dimensions;
 mod fit;
 mod forces;
+mod grid;
 mod pulls;
 mod sensor;
 
@@ -19,6 +20,8 @@ pub use sensor::{SensorArgs, SensorInput, SpringArgs, table_of};
 
 #[derive(Subcommand)]
 pub enum CalibrateCommand {
+    /// Turn readings of a load cell on a grid into a lookup table and a table for `fit`
+    Grid(grid::GridArgs),
     /// Fit Young's modulus and linear stiffnesses to measured forces
     Fit(fit::FitArgs),
     /// Find the dimensions of a spring for wanted stiffnesses
@@ -39,6 +42,7 @@ pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
         _ => Progress::of_unknown("calibrate"),
     };
     watched_by(progress, |watch| match command {
+        CalibrateCommand::Grid(args) => grid::grid(args),
         CalibrateCommand::Fit(args) => fit::fit(args),
         CalibrateCommand::Design(args) => design::design(args),
         CalibrateCommand::Forces(args) => forces::forces(args),

@@ -8,7 +8,8 @@ use crate::paper::figure::Figures;
 use crate::paper::style::{OTHER, OURS, PRINTED};
 use cohaul::model::open_choices::Range;
 use cohaul_report::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use cohaul_report::chart::{COLUMN_WIDTH, MILLI, PANEL_HEIGHT, grid};
+use cohaul_report::chart::print::Width;
+use cohaul_report::chart::{MILLI, PANEL_HEIGHT, grid};
 
 const FAINT: Style = Style { color: "#bbbbbb", dash: "", width: 1.0 };
 /// Sets farther from the targets are not drawn (1).
@@ -67,7 +68,7 @@ fn region(found: &Search) -> String {
         Entry::dot("other sets of the first look, up to a distance of 3", FAINT),
         Entry::line("accepted below", PRINTED),
     ];
-    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
+    grid(&panels, &[legend], 2, 0.5 * Width::TwoColumns.px(), PANEL_HEIGHT)
 }
 
 fn dots(found: &Search, is_shown: impl Fn(&SetRow) -> bool, of: impl Fn(&SetRow) -> Option<[f64; 2]>, style: Style) -> Option<Curve> {
@@ -98,5 +99,5 @@ fn one_ant(found: &Search) -> String {
         panels.push(panel);
     }
     let legend = vec![Entry::dot("not certainly other than zero", OURS), Entry::dot("certainly", OTHER), Entry::line("95 %", FAINT)];
-    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
+    grid(&panels, &[legend], 2, 0.5 * Width::TwoColumns.px(), PANEL_HEIGHT)
 }

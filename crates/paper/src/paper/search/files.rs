@@ -17,9 +17,9 @@ use cohaul_report::quantity::quantity;
 use cohaul_report::table::{Column, Field, Table};
 use cohaul_report::text::wrapped_markdown;
 
-/// Writes `sets.csv`, `accepted.csv`, `claims.csv`, `quantities.csv`, `choices.csv`, `indices.csv`,
-/// the figures, `README.md`, `report.html`, `summary.json` and `manifest.json` to the folder
-/// `target`, all or nothing. A table without rows is left out.
+/// Writes `sets.csv`, `accepted.csv`, `ranked.csv`, `claims.csv`, `quantities.csv`, `choices.csv`,
+/// `indices.csv`, the figures, `README.md`, `report.html`, `summary.json` and `manifest.json` to
+/// the folder `target`, all or nothing. A table without rows is left out.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.
@@ -28,6 +28,7 @@ pub fn write_search(target: &Path, found: &Search, manifest: &Manifest) -> Resul
     let written = [
         ("sets.csv", sets(found)),
         ("accepted.csv", accepted(found)),
+        ("ranked.csv", ranked(found)),
         ("claims.csv", claims(found)),
         ("quantities.csv", quantities(found)),
         ("choices.csv", choices(found)),
@@ -90,6 +91,26 @@ fn accepted(found: &Search) -> Table {
             [judged.distance, judged.largest_pull.map(|it| it.expected_n)].into_iter().chain(judged.measures.iter().flat_map(pair));
         Some(numbers.map(Field::from).collect())
     })
+}
+
+/// One row for each accepted set and printed fact.
+fn ranked(found: &Search) -> Table {
+    let facts: Vec<_> = found.ranked.iter().flat_map(|row| row.facts.iter().map(move |fact| (row, fact))).collect();
+    Table::of(
+        &facts,
+        &[
+            ("rank", "", &|(row, _)| row.rank.into()),
+            ("set", "", &|(row, _)| row.set.into()),
+            ("n met", "", &|(row, _)| row.n_met.into()),
+            ("distance", "", &|(row, _)| row.distance.into()),
+            ("fact", "", &|(_, fact)| fact.fact.as_str().into()),
+            ("unit", "", &|(_, fact)| fact.unit.into()),
+            ("paper", "", &|(_, fact)| fact.paper.as_str().into()),
+            ("value", "", &|(_, fact)| fact.value.into()),
+            ("is met", "", &|(_, fact)| fact.is_met.into()),
+            ("is ranked", "", &|(_, fact)| fact.is_ranked.into()),
+        ],
+    )
 }
 
 fn claims(found: &Search) -> Table {
@@ -186,7 +207,8 @@ fn method(found: &Search) -> String {
          The first look runs the trials 4/4, 2/10, 5/10 and 10/10 without inertia on {} seeds. The distance of a set is its \
          worst deviation from the targets: mean and standard deviation of the pulls over 10 %, and the fractions of six to \
          ten pulling ants over 0.05. Sets within {CLOSE:.2} are looked at again on {} other seeds, with and without inertia, and \
-         accepted within {ACCEPTED}. All other printed numbers are held out.",
+         accepted within {ACCEPTED}. All other printed numbers are held out. The accepted sets are ranked by how many printed facts \
+         they meet, the claims included but for the phase change, and then by their distance.",
         plan.n_rows, plan.n_within, plan.n_screening_seeds, plan.n_judging_seeds
     )
 }
@@ -221,6 +243,7 @@ Choices of accepted sets depend on each other. For them, `indices.csv` has first
 
 - `sets.csv` every set of the first look with its quantities;
 - `accepted.csv` the accepted sets with all quantities, and the inertia effect on each;
+- `ranked.csv` the accepted sets with their printed facts, the best first;
 - `claims.csv`, `quantities.csv`, `choices.csv`, `indices.csv` the tables above with all columns.
 ";
 

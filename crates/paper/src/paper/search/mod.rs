@@ -14,6 +14,7 @@
 //! judge.rs        second look: quantities and claims, with and without inertia
 //! sensitivity.rs  what a quantity depends on: Sobol indices
 //! accepted.rs     what holds over the accepted sets
+//! rank.rs         accepted sets by the printed facts that they meet
 //! report.rs       the whole result in numbers
 //! text.rs, figure.rs, files.rs   the same for people, and in files
 //! ```
@@ -23,6 +24,7 @@ mod figure;
 pub mod files;
 mod judge;
 mod plan;
+mod rank;
 pub mod report;
 mod screen;
 mod sensitivity;

@@ -5,13 +5,14 @@ use serde::Serialize;
 use super::accepted::{Accepted, choice_rows, claim_rows, one_ant, quantity_rows, spread};
 pub use super::accepted::{ChoiceRow, ClaimRow, OneAnt, QuantityRow, Shares, Spread};
 use super::judge::{Judged, reported};
+use super::rank::{Ranked, ranked};
 use super::screen::{SCREENED, Screened};
 use super::sensitivity::{Index, Triple, given_data, sobol};
 use super::space::Block;
 use super::{ACCEPTED, Answer, Plan, Stage};
 use crate::paper::Measure;
 use cohaul::formats::{self, Format, Versioned};
-use cohaul::model::open_choices::Chosen;
+use cohaul::model::open_choices::{Chosen, Range};
 use cohaul::model::paper as printed;
 
 /// What `paper search --json` prints.
@@ -34,6 +35,8 @@ pub struct Search {
     pub indices: Vec<IndexRow>,
     /// The accepted set with the smallest distance.
     pub closest: Option<SetRow>,
+    /// The accepted sets by the number of printed facts that they meet, the best first.
+    pub ranked: Vec<Ranked>,
     #[serde(skip)]
     pub sets: Vec<SetRow>,
 }
@@ -117,9 +120,16 @@ impl Search {
             one_ant,
             indices: index_rows(plan, &screened, &accepted),
             closest,
+            ranked: ranked(&accepted),
             sets,
         }
     }
+}
+
+/// Place of a word in a list (1).
+fn place_of(range: Range, word: &str) -> f64 {
+    let Range::Words(all) = range else { return f64::NAN };
+    all.iter().position(|own| *own == word).map_or(f64::NAN, |place| place as f64)
 }
 
 fn answer(plan: &Plan, n_accepted: usize, claims: &[ClaimRow], one_ant: &[OneAnt]) -> String {
@@ -162,7 +172,7 @@ fn index_rows(plan: &Plan, screened: &[Screened], accepted: &[Accepted]) -> Vec<
         let at = reported.iter().position(|other| Some(*other) == measure)?;
         let x = |row: &Accepted| match row.values[choice] {
             Chosen::Number(value) => value,
-            Chosen::Word(word) => f64::from(u8::from(word == "aged")),
+            Chosen::Word(word) => place_of(design.searched[choice].range, word),
         };
         given_data(&accepted.iter().filter_map(|row| Some([x(row), of(row, at)?])).collect::<Vec<_>>())
     };
@@ -251,6 +261,9 @@ mod tests {
         let time = found.quantities.iter().find(|row| row.quantity == "time to nest, 1/1").unwrap();
         // 2 s +- 1 s is certainly not zero, -0.5 s +- 1 s may be.
         assert_eq!((time.shifted_by_inertia, time.inertia_effect.unwrap().most), (Some(0.5), 2.0));
+        // All facts are met or missed alike: the closer set is the better one.
+        assert_eq!(found.ranked.iter().map(|row| (row.rank, row.set)).collect::<Vec<_>>(), [(1, 2), (2, 0)]);
+        assert_eq!(found.ranked[0].n_met, found.ranked[0].facts.iter().filter(|fact| fact.is_ranked && fact.is_met).count());
         assert!(found.answer.starts_with("2 of 29 parameter sets"), "{}", found.answer);
     }
 }

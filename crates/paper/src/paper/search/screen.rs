@@ -5,15 +5,14 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::plan::CLOSE;
-use super::space::{Searched, TRIALS, scenario};
-use crate::paper::{Case, Measure, RunFacts, Sample, Sampling, Trial, Unit, facts, largest, units};
+use super::space::{Searched, TRIALS, case};
+use crate::paper::{Measure, NEAR_PULL, NEAR_SHARE, RunFacts, Sample, Sampling, Trial, Unit, facts, largest, units};
 use cohaul::backend::BackendKind;
 use cohaul::model::open_choices::Chosen;
 use cohaul::model::paper as printed;
-use cohaul::scenario::presets::Preset;
 
 /// Quantities of the first look, from trials of two and more ants.
-pub const SCREENED: [Measure; 19] = [
+pub const SCREENED: [Measure; 18] = [
     Measure::PULL_MEAN,
     Measure::PULL_SD,
     Measure::SizeShare(6),
@@ -30,8 +29,7 @@ pub const SCREENED: [Measure; 19] = [
     Measure::Headway(2),
     Measure::Headway(5),
     Measure::Headway(10),
-    Measure::OverFive(2),
-    Measure::OverFive(3),
+    Measure::TwoOverThree,
     Measure::LateGain,
 ];
 
@@ -43,11 +41,6 @@ pub struct Screened {
     /// Worst deviation from the calibration targets, over what counts as near (1).
     pub distance: Option<f64>,
 }
-
-/// Relative deviation of the pulls that counts as near (1).
-const NEAR_PULL: f64 = 0.1;
-/// Deviation of a fraction that counts as near (1).
-const NEAR_SHARE: f64 = 0.05;
 
 /// Worst deviation of the calibration targets, each over what counts as near (1): mean and standard
 /// deviation of the pulls within 10 %, and the fractions of six to ten pulling ants within 0.05.
@@ -78,9 +71,9 @@ pub fn runs(
     seeds: Range<u64>,
     watch: &dyn Fn() -> bool,
 ) -> Option<Vec<(Trial, u64, RunFacts)>> {
-    let case = Case::new(Preset::Paper, backend);
+    let case = case(searched, values, backend);
     let of = |trial: Trial, seed: u64| {
-        let scenario = scenario(trial, searched, values, seed);
+        let scenario = trial.scenario(&case, seed);
         Some((trial, seed, facts::run_scenario(trial, &scenario, &case.options(&scenario), |_| watch())?))
     };
     trials.iter().flat_map(|trial| seeds.clone().map(move |seed| (*trial, seed))).map(|(trial, seed)| of(trial, seed)).collect()

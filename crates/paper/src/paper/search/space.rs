@@ -6,11 +6,12 @@
 //! box around the sets that came closest, with some room: where accepted sets are rare, the whole
 //! space would hold too few of them.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::paper::Trial;
+use crate::paper::{Case, Trial};
+use cohaul::backend::BackendKind;
 use cohaul::model::open_choices::{Chosen, OPEN_CHOICES, Range};
-use cohaul::scenario::Scenario;
+use cohaul::scenario::presets::Preset;
 use cohaul_studies::sweep::{hypercube_coordinate, sobol_coordinate};
 
 /// A choice that is searched.
@@ -22,17 +23,21 @@ pub struct Searched {
     pub range: Range,
 }
 
-/// Keys that are not searched. The printed largest pull excludes zeta per millinewton, and a
-/// decision at every control period is a hazard with that decision period.
+/// Keys that are not searched. The printed largest pull excludes zeta per millinewton. A grasp with
+/// a probability at every control period is a hazard with that decision period, whatever the
+/// period.
 const LEFT_OUT: [&str; 2] = ["drive.release_steepness_per_n", "drive.grasp_pace"];
 const PULL_SPEED: &str = "drive.pull_speed_m_per_s";
 const RELEASE_PERIOD: &str = "drive.release_decision_period_s";
 const RELEASE_PACE: &str = "drive.release_pace";
+const CONTROL_PERIOD: &str = "control_period_s";
+/// Pace with one decision of all ants per time step. The control period is then that step.
+const PER_STEP: Chosen = Chosen::Word("per-tick");
+/// Longest such step (s): a searching ant walks 8 mm in it, a third of the length of a spring.
+const LONGEST_STEP_S: f64 = 0.1;
 /// Way of a tip between two release decisions (m), in whose place the period follows from the
 /// speed. The spring gains 2.7 to 20 mN on it: half the printed mean pull to F_m.
 const WAY: Range = Range::Between { low: 0.004, high: 0.03, is_logarithmic: true };
-/// Release paces that do not depend on the control period.
-const PACES: Range = Range::Words(&["hazard", "aged"]);
 
 /// All searched choices, in the order of [`OPEN_CHOICES`].
 pub fn searched() -> Vec<Searched> {
@@ -41,7 +46,6 @@ pub fn searched() -> Vec<Searched> {
         choice.range.at(0.0)?;
         let (name, unit, range) = match key {
             RELEASE_PERIOD => ("way of a tip between release decisions", "m", WAY),
-            RELEASE_PACE => (choice.name, choice.unit, PACES),
             _ => (choice.name, choice.unit, choice.range),
         };
         Some(Searched { name, key, unit, range })
@@ -150,27 +154,21 @@ impl Design {
 
 const HYPERCUBE_SEED: u64 = 20_100;
 
-/// The trial with the values of a set: every printed value of the paper, and these choices.
-///
-/// # Panics
-/// Never: the texts are scenarios of the project, every open choice is a key of them, and the
-/// ranges lie within their rules.
-pub fn scenario(trial: Trial, searched: &[Searched], values: &[Chosen], seed: u64) -> Scenario {
-    let mut scene: Value = serde_json::from_str(trial.text()).expect("a scenario is JSON");
-    scene["seed"] = seed.into();
-    scene["drive"]["preset"] = "paper".into();
-    // The text of any number of ants on ten springs is that of ten.
-    scene["drive"]["n_ants"] = trial.n_ants().into();
-    let set = || searched.iter().zip(values);
-    let speed = set().find(|(choice, _)| choice.key == PULL_SPEED).map(|(_, value)| *value);
-    for (choice, value) in set() {
-        let place = choice.key.split('.').fold(&mut scene, |place, key| &mut place[key]);
-        *place = match (choice.key, value, speed) {
-            (RELEASE_PERIOD, Chosen::Number(way), Some(Chosen::Number(speed))) => json!(way / speed),
+/// A set as a case: every printed value of the paper, and these choices.
+pub fn case(searched: &[Searched], values: &[Chosen], backend: BackendKind) -> Case {
+    let value = |key: &str| searched.iter().zip(values).find(|(choice, _)| choice.key == key).map(|(_, value)| *value);
+    let number = |key: &str| if let Some(Chosen::Number(value)) = value(key) { value } else { f64::NAN };
+    let period = number(RELEASE_PERIOD) / number(PULL_SPEED);
+    let is_per_step = value(RELEASE_PACE) == Some(PER_STEP);
+    let of = |(choice, value): (&Searched, &Chosen)| {
+        let value = match choice.key {
+            RELEASE_PERIOD => json!(period),
+            CONTROL_PERIOD if is_per_step => json!(period.min(LONGEST_STEP_S)),
             _ => json!(value),
         };
-    }
-    Scenario::parse(&scene.to_string(), &trial.name()).expect("the ranges lie within the rules of scenarios")
+        (choice.key.to_owned(), value)
+    };
+    Case { set: searched.iter().zip(values).map(of).collect(), ..Case::new(Preset::Paper, backend) }
 }
 
 /// Trials of the search: those of the paper, and two ants on ten springs.
@@ -179,10 +177,8 @@ pub const TRIALS: [Trial; 5] = [Trial::OneOne, Trial::FourFour, Trial::OnTen(2),
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::Case;
-    use cohaul::backend::BackendKind;
     use cohaul::scenario::Drive;
-    use cohaul::scenario::presets::{Preset, ants};
+    use cohaul::scenario::presets::ants;
 
     fn design() -> Design {
         Design::new(16)
@@ -234,7 +230,7 @@ mod tests {
         for set in 0..design.n_tasks() {
             let values = design.values(set);
             for trial in TRIALS {
-                let scenario = super::scenario(trial, &design.searched, &values, 7);
+                let scenario = trial.scenario(&case(&design.searched, &values, BackendKind::QuasiStatic), 7);
                 let Drive::Ants(found) = scenario.drive else { panic!("ants") };
                 let printed = ants(Preset::Paper, trial.n_ants());
                 assert_eq!((found.n_ants, scenario.seed), (trial.n_ants(), 7));
@@ -242,8 +238,12 @@ mod tests {
                 assert_eq!((found.release.strong_pull, found.release.steepness), (printed.release.strong_pull, printed.release.steepness));
                 let value = |key: &str| design.searched.iter().zip(&values).find(|(choice, _)| choice.key == key).map(|(_, value)| *value);
                 assert_eq!(value(PULL_SPEED), Some(Chosen::Number(found.pull_speed)));
-                assert_eq!(value("control_period_s"), Some(Chosen::Number(scenario.control_period)));
                 let Some(Chosen::Number(way)) = value(RELEASE_PERIOD) else { panic!("a way") };
+                if value(RELEASE_PACE) == Some(PER_STEP) {
+                    assert_eq!(scenario.control_period, found.release.period.min(LONGEST_STEP_S));
+                } else {
+                    assert_eq!(value(CONTROL_PERIOD), Some(Chosen::Number(scenario.control_period)));
+                }
                 // Rounding of a quotient and a product.
                 assert!(
                     (found.pull_speed * found.release.period - way).abs() < 1e-15

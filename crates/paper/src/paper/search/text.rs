@@ -1,7 +1,9 @@
 //! The accepted sets, for people.
 
+use super::rank::Ranked;
 use super::report::{ChoiceRow, ClaimRow, IndexRow, QuantityRow, SEEDS, Search, Shares, Spread};
 use super::sensitivity::Index;
+use cohaul::model::open_choices::Chosen;
 use cohaul_report::quantity::{number, quantity};
 use cohaul_report::table::Table;
 use cohaul_report::text::Detail;
@@ -27,7 +29,7 @@ pub fn search_text(found: &Search, detail: Detail) -> String {
 
 /// Tables for text, README and page.
 pub(super) fn tables(found: &Search) -> Vec<Table> {
-    let all = [claims(found), held_out(found), choices(found), dependences(found)];
+    let all = [best(found), claims(found), held_out(found), choices(found), dependences(found)];
     all.into_iter().filter(|table| !table.rows.is_empty()).collect()
 }
 
@@ -53,6 +55,38 @@ fn claims(found: &Search) -> Table {
         ["claim", "without inertia", "with inertia", "limit", "values (median and range)"],
     )
     .with_rows(found.claims.iter().map(row))
+}
+
+/// Sets beside each other in the table of the best.
+const N_BEST: usize = 4;
+
+/// The best sets side by side: printed facts, then the choices of each.
+fn best(found: &Search) -> Table {
+    let best = &found.ranked[..found.ranked.len().min(N_BEST)];
+    let heads = ["printed fact or choice", "paper"].map(str::to_owned).into_iter();
+    let mut table =
+        Table::new("The best sets by the printed facts that they meet", heads.chain(best.iter().map(|row| format!("set {}", row.set))));
+    let Some(first) = best.first() else { return table };
+    for (at, fact) in first.facts.iter().enumerate() {
+        let here = best.iter().map(|row| {
+            let fact = &row.facts[at];
+            let value = fact.value.map_or_else(|| "-".to_owned(), |value| quantity(value, fact.unit));
+            if fact.is_met { value } else { format!("{value}, missed") }
+        });
+        table.push([fact.fact.clone(), fact.paper.clone()].into_iter().chain(here));
+    }
+    let n_ranked = first.facts.iter().filter(|fact| fact.is_ranked).count();
+    let summary = best.iter().map(|row| row.n_met.to_string());
+    table.push(["facts met".to_owned(), format!("of {n_ranked}, without the phase change")].into_iter().chain(summary));
+    table.push(["distance to the targets".to_owned(), String::new()].into_iter().chain(best.iter().map(|row| number(row.distance))));
+    for (at, choice) in found.choices.iter().enumerate() {
+        let value = |row: &Ranked| match &found.sets[row.set].values[at] {
+            Chosen::Number(value) => quantity(*value, choice.unit),
+            Chosen::Word(word) => (*word).to_owned(),
+        };
+        table.push([choice.choice.to_owned(), String::new()].into_iter().chain(best.iter().map(value)));
+    }
+    table
 }
 
 /// The claims on lines of 80 columns.
