@@ -96,8 +96,8 @@ class AccountFinding(TypedDict):
     """What a rule says of a run."""
 
     cause: Literal[
-        "no_solution", "tolerance_missed", "bound_not_known", "not_solved", "engine_not_solved", "energy_gained", "ledger_open",
-        "energy_lost", "steps_too_long", "unresolved_oscillation", "tip_near_root", "overlap", "not_unique", "lost_digits",
+        "squeezed", "no_solution", "tolerance_missed", "bound_not_known", "not_solved", "engine_not_solved", "energy_gained",
+        "ledger_open", "energy_lost", "steps_too_long", "unresolved_oscillation", "tip_near_root", "overlap", "not_unique", "lost_digits",
     ]  # fmt: skip
     health: Health
     found: float
@@ -350,8 +350,9 @@ class Transition(TypedDict):
     time: float
     """Time since the start of the run (s)."""
     transition: Literal[
-        "slip_onset", "stop", "pinning", "unpinning", "touch", "separation", "side_stick", "side_slip", "impact", "not_unique", "jump"
-    ]
+        "slip_onset", "stop", "pinning", "unpinning", "touch", "separation", "side_stick", "side_slip", "impact", "not_unique", "squeeze",
+        "jump",
+    ]  # fmt: skip
     support: NotRequired[int]
     obstacle: NotRequired[int]
     energy: NotRequired[float]
