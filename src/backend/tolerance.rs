@@ -16,7 +16,7 @@ pub struct Tolerance {
     /// Largest error of the heading (rad).
     pub heading_rad: f64,
     /// Number of times that the errors of the macro-steps have been divided by ten because their
-    /// sum, the error of the run, was too large (1); negative in a run that begins with larger ones.
+    /// sum, the error of the run, was too large (1); negative where a run begins with larger ones.
     #[serde(default)]
     pub tightened: i32,
 }

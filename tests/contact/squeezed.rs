@@ -69,7 +69,8 @@ fn a_box_between_a_wall_and_a_pusher_ends_the_run_when_it_is_pressed() {
 }
 
 /// The pusher beside the middle turns the box about a post until it has passed it, or is pressed
-/// into it. No run goes on with a load that lies in an obstacle, and one that gains energy has failed.
+/// into it. No run goes on with a load that lies in an obstacle, and one that gains energy has
+/// failed.
 #[test]
 fn no_run_goes_on_inside_an_obstacle() {
     let tasks: Vec<_> = EXACT.into_iter().flat_map(|kind| (0..10).map(move |at| (kind, 0.004 * f64::from(at)))).collect();

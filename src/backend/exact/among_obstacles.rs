@@ -56,8 +56,8 @@ impl<M: Method> Exact<M> {
         obstacles.as_mut().map_or(0.0, |obstacles| obstacles.depth(system, &place, state.side.now))
     }
 
-    /// Marks a step that ends inside an obstacle at `time` (s) as one that has not converged, and as
-    /// failed where no step keeps the load out. A step that is given up may end anywhere.
+    /// Marks a step that ends inside an obstacle at `time` (s) as one that has not converged, and
+    /// as failed where no step keeps the load out. A step that is given up may end anywhere.
     pub(super) fn pass_gate(&mut self, report: &mut StepReport, time: f64, is_given_up: bool) {
         let overlap_m = self.depth_inside();
         if overlap_m > 0.0 {

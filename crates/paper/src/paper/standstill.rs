@@ -190,7 +190,8 @@ impl Deadlocks {
             "touching",
         ];
         let row = |row: &DeadlockRow| {
-            let share = super::with_interval(&Some(row.share_of_time), "");
+            // Equal runs have no spread, which is no certainty.
+            let share = if row.n_runs_with == 0 { "0".to_owned() } else { super::with_interval(&Some(row.share_of_time), "") };
             let counts = [row.n_runs_with, row.n_went_on, row.n_backed_off, row.n_end_of_run].map(|n| n.to_string());
             let longest = row.longest_s.map_or_else(String::new, |time| quantity(time, "s"));
             let touching = row.touching.map_or_else(String::new, |share| format!("{:.0} %", 100.0 * share));
