@@ -34,10 +34,13 @@ impl Repeats {
         let work = self.work + steps.n_iterations + steps.n_solves;
         let helps = |(last_time, last): (f64, PoseError)| time > last_time || is_smaller(&error, &last);
         let may_reach = doubtful.not_converged_s.is_none() && tolerance.may_reach(&error);
-        let may_help = may_reach && self.last.is_none_or(helps) && work as f64 <= WORK_OF_REPEATS * WORK_PER_SECOND * scenario.duration;
+        // What larger errors of macro-steps come to says nothing of how far smaller ones help.
+        let is_loose = tolerance.tightened < 0;
+        let may_help =
+            may_reach && (is_loose || self.last.is_none_or(helps)) && work as f64 <= WORK_OF_REPEATS * WORK_PER_SECOND * scenario.duration;
         let next = tolerance.tightened().filter(|_| may_help || scenario.system.world.is_empty());
         self.is_over = next.is_none();
-        (self.last, self.work) = (Some((time, error)), work);
+        (self.last, self.work) = (Some((time, error)).filter(|_| !is_loose), work);
         next.map(|tolerance| BackendOptions { tolerance: Some(tolerance), ..*options })
     }
 }
