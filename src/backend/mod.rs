@@ -30,7 +30,7 @@ pub use default_step::{default_step, step_of};
 pub use exact::Integrator;
 pub use friction::ConeSolver;
 pub use interface::{Backend, Computes};
-pub use numerics::{CLARABEL_ACCURACY, CLOSED_LEDGER, LONGEST_MACRO_STEP, WORK_OF_REPEATS, WORK_PER_SECOND};
+pub use numerics::{CLARABEL_ACCURACY, CLOSED_LEDGER, LONGEST_MACRO_STEP, WORK_PER_SECOND};
 pub use options::{BackendKind, BackendOptions, Setting};
 pub use rapier::RapierOptions;
 pub use report::{

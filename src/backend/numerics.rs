@@ -431,11 +431,7 @@ pub const LARGEST_MACRO_STEP_ERROR: f64 = 1e-3;
 /// Smallest error of a macro-step over the load's radius (1): positions are rounded below it.
 pub const SMALLEST_MACRO_STEP_ERROR: f64 = 1e-13;
 /// Largest number of repetitions of a run with smaller errors of the macro-steps.
-pub const MOST_TIGHTENED: i32 = 3;
-/// Number of times that the errors of the macro-steps are multiplied by ten in the first of the
-/// runs among obstacles that may be repeated. Most end within 0.005 to 0.03 of the tolerance then,
-/// and every third one is repeated; without it most reach a thousandth, at three times the cost.
-pub const LOOSENED: i32 = 2;
+pub const MOST_TIGHTENED: u32 = 3;
 /// Tolerance of the run that checks another one, over that of the other (1).
 pub const CHECK_SHARE: f64 = 4.0;
 /// Bound of the error over the largest distance of the run and the one that checks it (1). A
@@ -450,14 +446,11 @@ pub const SHARED_ERROR: f64 = 0.05;
 /// same touches. On random scenes such errors move the edge by up to 0.95 of the tolerance; a shift
 /// and a turn of this share move it by 1.
 pub const SHARED_AT_OBSTACLES: f64 = 0.5;
-/// Work that a run at obstacles may take for each simulated second, in Newton iterations and solved
-/// friction problems (1): less than a second of a processor. What a second leaves is there for the
-/// next one, and the first second is there at once. Both runs of a pair have it. Of random scenes
-/// that are decided at all, nearly none needs half.
-pub const WORK_PER_SECOND: f64 = 4e5;
-/// Work up to which a run at obstacles is repeated, over that of [`WORK_PER_SECOND`] (1): half of
-/// what a pair of runs may take in the first second.
-pub const WORK_OF_REPEATS: f64 = 2.0;
+/// Work that a run at obstacles, and all its repetitions together, may take for each simulated
+/// second, in Newton iterations and solved friction problems (1): one to two seconds of a processor
+/// with inertia, up to five without. What a second leaves is there for the next one, and the first
+/// second is there at once. Of random scenes that are decided at all, nearly none needs half.
+pub const WORK_PER_SECOND: f64 = 2e6;
 /// Largest number of macro-steps before a longer one, which failed, is tried again.
 pub const MOST_WAIT: u32 = 64;
 /// Shortest macro-step over the advance (1). What still differs there is a jump.

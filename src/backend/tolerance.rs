@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::exact::{Column, Control};
-use super::numerics::{LARGEST_MACRO_STEP_ERROR, LOOSENED, MACRO_STEP_SHARE, MOST_TIGHTENED, SMALLEST_MACRO_STEP_ERROR};
+use super::numerics::{LARGEST_MACRO_STEP_ERROR, MACRO_STEP_SHARE, MOST_TIGHTENED, SMALLEST_MACRO_STEP_ERROR};
 use super::report::PoseError;
 use crate::model::{Load, System};
 
@@ -16,9 +16,9 @@ pub struct Tolerance {
     /// Largest error of the heading (rad).
     pub heading_rad: f64,
     /// Number of times that the errors of the macro-steps have been divided by ten because their
-    /// sum, the error of the run, was too large (1); negative where a run begins with larger ones.
+    /// sum, the error of the run, was too large (1).
     #[serde(default)]
-    pub tightened: i32,
+    pub tightened: u32,
 }
 
 impl Tolerance {
@@ -26,12 +26,6 @@ impl Tolerance {
     /// moves as far.
     pub fn at_edge(position_m: f64, load: &Load) -> Self {
         Self { position_m, heading_rad: position_m / load.radius, tightened: 0 }
-    }
-
-    /// This tolerance with larger errors of the macro-steps, for a run among obstacles that is
-    /// repeated where they do not suffice.
-    pub fn loosened(&self) -> Self {
-        Self { tightened: self.tightened - LOOSENED, ..*self }
     }
 
     /// This tolerance with a tenth of the error of each macro-step; `None` when smaller errors
@@ -44,7 +38,7 @@ impl Tolerance {
     /// divides the errors of the macro-steps by ten.
     pub fn may_reach(&self, error: &PoseError) -> bool {
         let excess = (error.position / self.position_m).max(error.heading / self.heading_rad);
-        excess <= 10f64.powi(MOST_TIGHTENED - self.tightened)
+        excess <= 10f64.powi(MOST_TIGHTENED.saturating_sub(self.tightened) as i32)
     }
 
     /// Whether an error is within the tolerance.
@@ -58,7 +52,7 @@ impl Tolerance {
         // energy is that force times the error of the position.
         let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);
         let force = system.total_slip_limit() + stiffness * load.radius;
-        let share = MACRO_STEP_SHARE * 0.1f64.powi(self.tightened);
+        let share = MACRO_STEP_SHARE * 0.1f64.powi(self.tightened as i32);
         let of_step = |error: f64, size: f64| (share * error).clamp(SMALLEST_MACRO_STEP_ERROR * size, LARGEST_MACRO_STEP_ERROR * size);
         Control {
             position: of_step(self.position_m, load.radius),

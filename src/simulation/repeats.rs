@@ -1,7 +1,7 @@
 //! When a run under error control begins again with a smaller error of each macro-step.
 
 use super::doubt_times::DoubtTimes;
-use crate::backend::{BackendOptions, PoseError, StepReport, WORK_OF_REPEATS, WORK_PER_SECOND};
+use crate::backend::{BackendOptions, PoseError, StepReport, WORK_PER_SECOND};
 use crate::scenario::Scenario;
 
 /// Error bound at obstacles after a repetition over that before, up to which another one may help
@@ -34,13 +34,10 @@ impl Repeats {
         let work = self.work + steps.n_iterations + steps.n_solves;
         let helps = |(last_time, last): (f64, PoseError)| time > last_time || is_smaller(&error, &last);
         let may_reach = doubtful.not_converged_s.is_none() && tolerance.may_reach(&error);
-        // What larger errors of macro-steps come to says nothing of how far smaller ones help.
-        let is_loose = tolerance.tightened < 0;
-        let may_help =
-            may_reach && (is_loose || self.last.is_none_or(helps)) && work as f64 <= WORK_OF_REPEATS * WORK_PER_SECOND * scenario.duration;
+        let may_help = may_reach && self.last.is_none_or(helps) && work as f64 <= WORK_PER_SECOND * scenario.duration;
         let next = tolerance.tightened().filter(|_| may_help || scenario.system.world.is_empty());
         self.is_over = next.is_none();
-        (self.last, self.work) = (Some((time, error)).filter(|_| !is_loose), work);
+        (self.last, self.work) = (Some((time, error)), work);
         next.map(|tolerance| BackendOptions { tolerance: Some(tolerance), ..*options })
     }
 }
@@ -69,7 +66,7 @@ mod tests {
         assert!(!next(&mut repeats, 0.1, 0.9, 0), "it is within the tolerance");
         assert!(next(&mut repeats, 0.1, 90.0, 0) && next(&mut repeats, 0.1, 30.0, 0) && next(&mut repeats, 0.2, 30.0, 0));
         assert!(!next(&mut repeats, 0.2, 29.0, 0) && !next(&mut repeats, 0.3, 1.1, 0), "it has not helped");
-        let most = (WORK_OF_REPEATS * WORK_PER_SECOND * scenario.duration) as u64;
+        let most = (WORK_PER_SECOND * scenario.duration) as u64;
         assert!(next(&mut Repeats::default(), 0.1, 2.0, most) && !next(&mut Repeats::default(), 0.1, 2.0, most + 1));
     }
 }

@@ -148,24 +148,15 @@ impl<'a> Simulation<'a> {
     /// an answer, where smaller errors do not help: what follows there is not decided.
     pub fn run_to_tolerance(&mut self, mut restart: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {
         let mut repeats = Repeats::default();
-        let is_new = self.clock.time == 0.0 && !self.scenario.system.world.is_empty();
-        if let Some(tolerance) = self.options.tolerance.filter(|tolerance| is_new && tolerance.tightened == 0) {
-            self.begin_again(restart(&BackendOptions { tolerance: Some(tolerance.loosened()), ..self.options }));
-        }
         while !self.finished && watch(self.clock.time) {
             self.step();
             let Totals { error, steps, doubtful, .. } = &self.totals;
             if let Some(options) = repeats.next((self.scenario, &self.options), self.clock.time, *error, (steps, doubtful)) {
-                self.begin_again(restart(&options));
+                let has_checkpoints = self.checkpoints.is_some();
+                *self = restart(&options);
+                self.checkpoints = has_checkpoints.then(Box::default);
             }
         }
-    }
-
-    /// Goes on as a run that begins, with checkpoints if this one has them.
-    fn begin_again(&mut self, run: Self) {
-        let has_checkpoints = self.checkpoints.is_some();
-        *self = run;
-        self.checkpoints = has_checkpoints.then(Box::default);
     }
 
     /// Senses, decides, acts, records and advances to the next instant; does nothing once the run

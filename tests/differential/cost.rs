@@ -218,10 +218,10 @@ fn steps_about_a_support_start_from_the_last_one() {
     }
 }
 
-/// Most iterations and solved problems of a run of one second and the one beside it (1): 400,000
-/// for each of the two at once and as many for the second, and a tenth for the macro-steps that go
+/// Most iterations and solved problems of a run of one second and the one beside it (1): a million
+/// for each of the two at once and one for the second, and a tenth for the macro-steps that go
 /// beyond it.
-const MOST_WORK: u64 = 1_760_000;
+const MOST_WORK: u64 = 4_400_000;
 
 /// Random scenes in which quasi-static runs would go on for minutes end in seconds, and say from
 /// when on they are not decided.
@@ -233,7 +233,7 @@ fn runs_at_obstacles_end_after_bounded_work() {
         let found = run(&scenario, &BackendOptions::within(BackendKind::QuasiStatic, tolerance)).expect("it takes seconds");
         let (StepReport { n_solves, n_iterations, .. }, doubtful) = (found.outcome.steps, found.outcome.doubtful);
         assert!(n_solves + n_iterations < MOST_WORK, "{seed}: {n_solves} {n_iterations}");
-        assert_ne!(found.outcome.steps.status, Status::Converged, "{seed}");
+        assert_eq!(found.outcome.steps.status, Status::NotConverged, "{seed}");
         assert!(doubtful.not_converged_s.is_some_and(|time| time < scenario.duration), "{seed}: {doubtful:?}");
     }
 }
