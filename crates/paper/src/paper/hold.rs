@@ -24,7 +24,7 @@ fn chance(ants: &AntDrive, rate: f64, limit: f64, control_period: f64) -> f64 {
     for at in 1u32.. {
         let pull = rate * every * f64::from(at);
         // Not a number does not go on for ever.
-        if !(pull < limit) || lasts < 1e-12 {
+        if pull >= limit || pull.is_nan() || lasts < 1e-12 {
             break;
         }
         lasts *= match ants.release_pace {
