@@ -57,27 +57,27 @@ impl<M: Method> Exact<M> {
     }
 
     /// Marks a step that ends inside an obstacle at `time` (s) as one that has not converged, and
-    /// as failed where no step keeps the load out. A step that is given up may end anywhere.
+    /// as failed where obstacles squeeze the load. A step that is given up may end anywhere.
     pub(super) fn pass_gate(&mut self, report: &mut StepReport, time: f64, is_given_up: bool) {
         let overlap_m = self.depth_inside();
         if overlap_m > 0.0 {
             let doubts = Doubts { overlap_m, ..Doubts::default() };
             let is_deep = !is_given_up && overlap_m > SQUEEZED * self.system.load.radius;
-            let is_squeezed = report.status == Status::Failed || report.status != Status::Converged && is_deep;
-            let status = if is_squeezed { Status::Failed } else { Status::NotConverged };
+            let finds_no_way = report.status == Status::Failed || report.status != Status::Converged && is_deep;
+            let status = if finds_no_way && self.note_squeeze(time) { Status::Failed } else { Status::NotConverged };
             report.add(&StepReport { status, n_not_converged: 1, doubts, ..StepReport::default() });
-            if is_squeezed {
-                self.note_squeeze(time);
-            }
         }
     }
 
-    /// Records which obstacles squeeze the load: all those next to it.
-    fn note_squeeze(&mut self, time: f64) {
-        let Self { obstacles, system, state, .. } = self;
-        let next_to = |obstacles: &mut Obstacles| obstacles.next_to(system, &Place::of(&state.motion.pose), state.side.now);
-        let squeezing = obstacles.as_mut().map(next_to).unwrap_or_default();
-        self.transitions.extend(squeezing.into_iter().map(|obstacle| Transition { time, kind: TransitionKind::Squeeze { obstacle } }));
+    /// Records which obstacles squeeze the load: all those next to it, if one of them moves. Where
+    /// all stand still, the load finds its place by standing still as well. Returns whether they do.
+    fn note_squeeze(&mut self, time: f64) -> bool {
+        let Self { obstacles: Some(obstacles), system, state, .. } = self else { return false };
+        let next_to = obstacles.next_to(system, &Place::of(&state.motion.pose), state.side.now);
+        let is_squeezed = next_to.iter().any(|obstacle| system.world.obstacles[*obstacle].path.moves());
+        let squeezes = next_to.into_iter().filter(|_| is_squeezed);
+        self.transitions.extend(squeezes.map(|obstacle| Transition { time, kind: TransitionKind::Squeeze { obstacle } }));
+        is_squeezed
     }
 
     /// Records a motion that is not unique since `time` (s), if steps since then report it.
