@@ -42,8 +42,8 @@ fn run(scenario: &Scenario, options: &BackendOptions) -> (Outcome, Vec<usize>) {
     (outcome, squeezes.filter_map(|it| it.kind.obstacle()).collect())
 }
 
-/// The pusher goes 0.005 m to the box, and the box 0.015 m to the wall. From then on the pusher goes
-/// into it, and a run ends before it is a fiftieth of the radius deep.
+/// The pusher goes 0.005 m to the box, and the box 0.015 m to the wall. From then on the pusher
+/// goes into it, and a run ends before it is a fiftieth of the radius deep.
 #[test]
 fn a_box_between_a_wall_and_a_pusher_ends_the_run_when_it_is_pressed() {
     let wall =

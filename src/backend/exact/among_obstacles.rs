@@ -70,7 +70,7 @@ impl<M: Method> Exact<M> {
     }
 
     /// Records which obstacles squeeze the load: all those next to it, if one of them moves. Where
-    /// all stand still, the load finds its place by standing still as well. Returns whether they do.
+    /// all stand still, the load finds its place by standing still too. Returns whether they do.
     fn note_squeeze(&mut self, time: f64) -> bool {
         let Self { obstacles: Some(obstacles), system, state, .. } = self else { return false };
         let next_to = obstacles.next_to(system, &Place::of(&state.motion.pose), state.side.now);
