@@ -24,6 +24,7 @@ from ._check import Check, check, store_baseline
 from ._compare import BACKENDS, Comparison, Measure, compare, compare_controller
 from ._conformance import Conformance, conformance
 from ._errors import Fault, InternalError, ScenarioError
+from ._hand import Hand
 from ._import import Import, import_scenario
 from ._maps import Map, Threshold, compare_map, threshold
 from ._measured import Measured, measured
@@ -44,6 +45,7 @@ __all__ = [
     "Controller",
     "Event",
     "Fault",
+    "Hand",
     "Import",
     "InternalError",
     "Map",

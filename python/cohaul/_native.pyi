@@ -3,6 +3,7 @@ from typing import Any, Callable, Literal, Mapping, Sequence
 
 from typing_extensions import Self
 
+from ._hand import Hand
 from .results import FloatArray, Status
 
 __version__: str
@@ -136,9 +137,10 @@ class View:
     @property
     def friction_forces(self) -> FloatArray:
         """Friction force of the ground on each support in the last step (N, world)."""
-    def steer(self, obstacle: int, pose: Sequence[float] | FloatArray) -> None:
+    def steer(self, obstacle: int, pose: Sequence[float] | FloatArray | Hand) -> None:
         """Sends an obstacle straight to ``pose`` (x, y in m, heading in rad, world) by the end of the
-        control period. It leaves the path of the scenario for good."""
+        control period, or pushes it by the spring of a hand. It leaves the path of the scenario for
+        good."""
     def attach(self, spring: int, tip: Sequence[float] | FloatArray) -> None:
         """Attaches a free spring with its tip at ``tip`` (m, world)."""
     def release(self, spring: int) -> None:
@@ -156,12 +158,12 @@ class Stepper:
         self,
         tips: Sequence[Sequence[float]] | FloatArray,
         duration_s: float,
-        pushers: Mapping[int, Sequence[float] | FloatArray] | None = None,
+        pushers: Mapping[int, Sequence[float] | FloatArray | Hand] | None = None,
     ) -> Status:
         """Moves all tips straight to ``tips`` (m, world, one entry a spring), and the obstacles of
-        ``pushers`` to their poses (x, y in m, heading in rad, world), within a time (s). Returns
-        how the steps ended: ``converged``, ``not_converged`` or ``failed``. Ctrl-C ends a long
-        one, and leaves all as it was before."""
+        ``pushers`` to their poses (x, y in m, heading in rad, world) or by the spring of a
+        :class:`Hand`, within a time (s). Returns how the steps ended: ``converged``,
+        ``not_converged`` or ``failed``. Ctrl-C ends a long one, and leaves all as it was before."""
     def save(self) -> str:
         """Complete state, from which :meth:`load` continues bit for bit."""
     def load(self, text: str) -> None:

@@ -6,12 +6,12 @@ use cohaul::backend::Motion;
 use cohaul::math::{Pose, Vec2};
 use cohaul::model::ObstaclePose;
 use cohaul::scenario::Scenario;
-use cohaul::simulation::{self, Commands, Controller, Event, EventKind};
+use cohaul::simulation::{self, Commands, Controller, Event, EventKind, Hand};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::points::{index, point, point_array, points};
-use crate::seen::{Contact, Seen};
+use crate::seen::{Contact, Pushes, Seen};
 
 /// A Python function that decides, and the first exception that it raised.
 pub struct Written {
@@ -29,8 +29,8 @@ pub struct View {
     pulls: Vec<Vec2>,
     seen: Seen,
     events: Vec<(EventKind, usize)>,
-    /// Where obstacles shall be at the end of the control period.
-    pushers: Vec<ObstaclePose>,
+    /// Where obstacles shall be at the end of the control period, and what holds one of them.
+    pushes: Pushes,
     is_finished: bool,
 }
 
@@ -45,6 +45,8 @@ pub struct Instance {
     /// Obstacles that are steered: poses at the start and at the end of the control period.
     steered: Vec<(Pose, ObstaclePose)>,
     pushers: Vec<ObstaclePose>,
+    /// What is held until the end of the control period.
+    hand: Option<Hand>,
     is_finished: Option<bool>,
 }
 
@@ -62,6 +64,7 @@ impl Written {
             targets: still,
             steered: Vec::new(),
             pushers: Vec::new(),
+            hand: None,
             is_finished: None,
         }
     }
@@ -135,7 +138,7 @@ impl Instance {
             pulls: springs.map(|spring| view.pull(spring)).collect(),
             seen: Seen::of(&view.scenario.system, view.backend, view.time),
             events: Vec::new(),
-            pushers: Vec::new(),
+            pushes: Pushes::default(),
             is_finished: false,
         };
         let seen = Bound::new(py, seen)?;
@@ -160,7 +163,8 @@ impl Instance {
             }));
         }
         self.steered.clear();
-        self.steered.extend(seen.pushers.iter().map(|target| (seen.seen.obstacles[target.obstacle], *target)));
+        self.steered.extend(seen.pushes.poses.iter().map(|target| (seen.seen.obstacles[target.obstacle], *target)));
+        self.hand = seen.pushes.hand;
         self.times = [seen.time_s, seen.until_s];
         self.is_finished = self.is_finished.or(seen.is_finished.then_some(true));
         Ok(())
@@ -181,6 +185,7 @@ impl Controller for Instance {
             Python::with_gil(|py| self.ask(py, view, commands)).unwrap_or_else(|error| {
                 commands.events.clear();
                 self.steered.clear();
+                self.hand = None;
                 self.written.keep(error);
             });
         }
@@ -203,6 +208,10 @@ impl Controller for Instance {
         self.pushers.clear();
         self.pushers.extend(self.steered.iter().map(part));
         &self.pushers
+    }
+
+    fn hand(&mut self, _view: &simulation::View, _until: f64) -> Option<Hand> {
+        self.hand
     }
 
     fn arrived(&self, _motion: &Motion) -> Option<bool> {
@@ -288,14 +297,11 @@ impl View {
     }
 
     /// Sends an obstacle straight to `pose` (x, y in m, heading in rad, world) by the end of the
-    /// control period. It leaves the path of the scenario for good.
+    /// control period, or pushes it by the spring of a hand. It leaves the path of the scenario for
+    /// good.
     fn steer(&mut self, obstacle: &Bound<PyAny>, pose: &Bound<PyAny>) -> PyResult<()> {
-        let obstacle = index(obstacle, "obstacle", self.seen.obstacles.len())?;
-        if self.pushers.iter().any(|other| other.obstacle == obstacle) {
-            return Err(PyValueError::new_err(format!("obstacle: must be steered once at an instant, found {obstacle} again")));
-        }
-        self.pushers.push(ObstaclePose { obstacle, pose: crate::seen::pose(pose, "pose")? });
-        Ok(())
+        let n = self.seen.obstacles.len();
+        self.pushes.add(crate::seen::push(index(obstacle, "obstacle", n)?, pose, "pose")?, n)
     }
 
     /// Attaches a free spring with its tip at `tip` (m, world).

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use crate::options::{Asked, read};
 use crate::points::numbers;
 use crate::scene::Scene;
-use crate::seen::force_of_each;
+use crate::seen::{Pushes, force_of_each};
 use crate::state::{State, n_numbers};
 use crate::trace::Column;
 use crate::work::{computed, internal, pool};
@@ -47,29 +47,36 @@ struct Commands {
     period: f64,
 }
 
-/// What one rollout shows: poses and twists from its start on, and what each control period ends
+/// What rollouts show: poses and twists from their start on, and what each control period ends
 /// with.
-struct Shown {
-    poses: Vec<f64>,
-    twists: Vec<f64>,
-    pulls: Vec<f64>,
-    forces: Vec<f64>,
-    statuses: Vec<f64>,
-    last: Vec<f64>,
+struct Shown<T> {
+    poses: T,
+    twists: T,
+    pulls: T,
+    forces: T,
+    statuses: T,
+    last: T,
 }
 
 /// Results of all rollouts, one after the other.
 #[pyclass(frozen, module = "cohaul._native")]
 pub struct RolloutData {
     sizes: Sizes,
-    shown: Vec<Shown>,
+    shown: Shown<Vec<f64>>,
 }
 
-impl Shown {
+impl<T> Shown<T> {
+    fn map<'a, U>(&'a mut self, mut of: impl FnMut(&'a mut T) -> U) -> Shown<U> {
+        let Self { poses, twists, pulls, forces, statuses, last } = self;
+        Shown { poses: of(poses), twists: of(twists), pulls: of(pulls), forces: of(forces), statuses: of(statuses), last: of(last) }
+    }
+}
+
+impl Shown<Vec<f64>> {
     /// With no number so far.
     fn new(sizes: &Sizes) -> Self {
-        let Sizes { n_periods, n_springs, n_obstacles, n_numbers, .. } = *sizes;
-        let nothing = |n: usize| vec![f64::NAN; n];
+        let Sizes { n_rollouts, n_periods, n_springs, n_obstacles, n_numbers } = *sizes;
+        let nothing = |n: usize| vec![f64::NAN; n * n_rollouts];
         Self {
             poses: nothing(3 * (n_periods + 1)),
             twists: nothing(3 * (n_periods + 1)),
@@ -80,6 +87,21 @@ impl Shown {
         }
     }
 
+    /// The part of each of so many rollouts.
+    fn each(&mut self, n_rollouts: usize) -> Vec<Shown<&mut [f64]>> {
+        let mut left = self.map(Vec::as_mut_slice);
+        let of = |n_left: usize| {
+            left.map(|left| {
+                let (now, later) = std::mem::take(left).split_at_mut(left.len() / n_left);
+                *left = later;
+                now
+            })
+        };
+        (1..=n_rollouts).rev().map(of).collect()
+    }
+}
+
+impl Shown<&mut [f64]> {
     fn show_motion(&mut self, at: usize, pose: &Pose, twist: &Twist) {
         self.poses[3 * at..3 * at + 3].copy_from_slice(&[pose.position.x, pose.position.y, pose.heading]);
         self.twists[3 * at..3 * at + 3].copy_from_slice(&[twist.linear.x, twist.linear.y, twist.angular]);
@@ -87,8 +109,8 @@ impl Shown {
 
     fn show_end(&mut self, period: usize, pulls: impl Iterator<Item = Vec2>, forces: Vec<Vec2>, status: Status) {
         let n_periods = self.statuses.len();
-        write(&mut self.pulls, n_periods, period, pulls);
-        write(&mut self.forces, n_periods, period, forces.into_iter());
+        write(self.pulls, n_periods, period, pulls);
+        write(self.forces, n_periods, period, forces.into_iter());
         self.statuses[period] = f64::from(status as u8);
     }
 }
@@ -106,14 +128,19 @@ impl Commands {
     ///
     /// # Errors
     /// When its state is none.
-    fn rollout(&self, scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, which: usize) -> Result<Shown, String> {
+    fn rollout(
+        &self,
+        (scenario, options): (&Scenario, &BackendOptions),
+        sizes: &Sizes,
+        which: usize,
+        shown: &mut Shown<&mut [f64]>,
+    ) -> Result<(), String> {
         let Sizes { n_periods, n_springs, n_obstacles, n_numbers, .. } = *sizes;
         let numbers = &self.states[which * n_numbers..(which + 1) * n_numbers];
         let mut state = State::of_numbers(scenario, options, &format!("states[{which}]"), numbers)?;
-        let mut shown = Shown::new(sizes);
         let motion = state.backend.motion();
         shown.show_motion(0, &motion.pose, &motion.twist);
-        let mut pushers: Vec<ObstaclePose> = Vec::with_capacity(self.steered.len());
+        let mut pushes = Pushes::default();
         for period in 0..n_periods {
             let at = which * n_periods + period;
             let tips = &self.tips[2 * n_springs * at..2 * n_springs * (at + 1)];
@@ -125,30 +152,29 @@ impl Commands {
                 state.targets.push(Vec2::new(tip[0], tip[1]));
             }
             let poses = self.pushers[3 * self.steered.len() * at..].chunks_exact(3);
-            pushers.clear();
-            pushers.extend(
+            pushes.poses.clear();
+            pushes.poses.extend(
                 self.steered
                     .iter()
                     .zip(poses)
                     .map(|(obstacle, pose)| ObstaclePose { obstacle: *obstacle, pose: Pose::new(pose[0], pose[1], pose[2]) }),
             );
-            let report = state.advance(scenario, &pushers, self.period);
+            let report = state.advance(scenario, &pushes, self.period).map_err(|error| error.to_string())?;
             let motion = state.backend.motion();
             shown.show_motion(period + 1, &motion.pose, &motion.twist);
             let forces = if n_obstacles == 0 { Vec::new() } else { force_of_each(n_obstacles, &state.backend.side_contacts()) };
             shown.show_end(period, (0..n_springs).map(|spring| state.backend.pull(spring)), forces, report.status);
         }
-        shown.last = state.numbers(scenario);
-        Ok(shown)
+        shown.last.copy_from_slice(&state.numbers(scenario));
+        Ok(())
     }
 }
 
 /// A run of the scenario's own drive with another seed, which may end early.
-fn driven(scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, seed: u64) -> Shown {
+fn driven(scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, seed: u64, shown: &mut Shown<&mut [f64]>) {
     let duration = sizes.n_periods as f64 * scenario.control_period;
     let scenario = Scenario { seed, duration, ..scenario.clone() };
     let mut run = Simulation::new(&scenario, options, Keep::Trace);
-    let mut shown = Shown::new(sizes);
     run.run(|_time| true);
     let (trace, outcome) = run.into_results();
     for row in &trace.rows {
@@ -160,7 +186,6 @@ fn driven(scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, seed: u6
             shown.show_end(at - 1, (0..sizes.n_springs).map(pull), forces, outcome.steps.status);
         }
     }
-    shown
 }
 
 /// Runs rollouts from states under commands, which are the memory of arrays. `sizes` are the
@@ -190,7 +215,7 @@ pub fn rollouts(
     if found != expected || commands.steered.iter().any(|obstacle| *obstacle >= sizes.n_obstacles) {
         return Err(internal(format!("arrays of {expected:?} numbers, found {found:?}")));
     }
-    all(py, sizes, threads, progress, |which| commands.rollout(&scenario, &options, &sizes, which))
+    all(py, sizes, threads, progress, |which, shown| commands.rollout((&scenario, &options), &sizes, which, shown))
 }
 
 /// Runs the scenario's own drive with each seed for a number of control periods.
@@ -207,7 +232,10 @@ pub fn seeded_rollouts(
 ) -> PyResult<RolloutData> {
     let (scenario, sizes) = (Arc::clone(&scene.scenario), sizes_of(&scene.scenario, (seeds.len(), n_periods)));
     let options = read::<Asked>(options)?.options(&scenario)?;
-    all(py, sizes, threads, progress, |which| Ok(driven(&scenario, &options, &sizes, seeds[which])))
+    all(py, sizes, threads, progress, |which, shown| {
+        driven(&scenario, &options, &sizes, seeds[which], shown);
+        Ok(())
+    })
 }
 
 fn sizes_of(scenario: &Scenario, (n_rollouts, n_periods): (usize, usize)) -> Sizes {
@@ -220,25 +248,27 @@ fn all(
     sizes: Sizes,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
-    one: impl Fn(usize) -> Result<Shown, String> + Sync + Send,
+    one: impl Fn(usize, &mut Shown<&mut [f64]>) -> Result<(), String> + Sync + Send,
 ) -> PyResult<RolloutData> {
     let threads = pool(threads)?;
     let n_done = AtomicUsize::new(0);
+    let mut shown = Shown::new(&sizes);
     let found = computed(py, progress, |watch| {
         let stop = Stop::current();
-        let one = |which: usize| {
+        let one = |(which, mut shown): (usize, Shown<&mut [f64]>)| {
             let is_on = watch.go_on(n_done.fetch_add(1, Relaxed) as f64 / sizes.n_rollouts as f64);
-            is_on.then(|| stop.within(|| one(which)))
+            is_on.then(|| stop.within(|| one(which, &mut shown)))
         };
-        threads.install(|| (0..sizes.n_rollouts).into_par_iter().map(one).collect::<Option<Result<Vec<Shown>, String>>>())
+        let each = shown.each(sizes.n_rollouts);
+        threads.install(|| each.into_par_iter().enumerate().map(one).collect::<Option<Result<(), String>>>())
     })?;
     // Only an interrupt stops it, and that is an exception already.
-    let shown = found.expect("the rollouts ended").map_err(PyValueError::new_err)?;
+    found.expect("the rollouts ended").map_err(PyValueError::new_err)?;
     Ok(RolloutData { sizes, shown })
 }
 
-/// Numbers of one rollout.
-type Of = fn(&Shown) -> &Vec<f64>;
+/// Numbers of one kind.
+type Of = fn(&Shown<Vec<f64>>) -> &Vec<f64>;
 
 #[pymethods]
 impl RolloutData {
@@ -253,11 +283,7 @@ impl RolloutData {
             "states" => (|shown| &shown.last, vec![n_rollouts, n_numbers]),
             _ => return Err(PyKeyError::new_err(name.to_owned())),
         };
-        Ok(py.allow_threads(|| {
-            let mut numbers = Vec::with_capacity(shape.iter().product());
-            self.shown.iter().for_each(|shown| numbers.extend_from_slice(of(shown)));
-            Column::of_numbers(numbers, &shape)
-        }))
+        Ok(py.allow_threads(|| Column::of_numbers(of(&self.shown).clone(), &shape)))
     }
 }
 

@@ -3,6 +3,7 @@
 use cohaul::backend::{Backend, SideContact};
 use cohaul::math::{Pose, Vec2};
 use cohaul::model::{ObstaclePose, System};
+use cohaul::simulation::Hand;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -76,15 +77,68 @@ pub fn pose(value: &Bound<PyAny>, path: &str) -> PyResult<Pose> {
     }
 }
 
-/// Reads the poses of a mapping from obstacles, of which there are `n`.
+/// What an obstacle is sent by: a pose where it shall be, or a spring that holds it.
+pub enum Push {
+    To(ObstaclePose),
+    By(Hand),
+}
+
+/// Commands to obstacles.
+#[derive(Default)]
+pub struct Pushes {
+    pub poses: Vec<ObstaclePose>,
+    pub hand: Option<Hand>,
+}
+
+impl Pushes {
+    /// Takes a command to one of `n` obstacles.
+    ///
+    /// # Errors
+    /// When the obstacle has one, or it is a second hand.
+    pub fn add(&mut self, push: Push, n: usize) -> PyResult<()> {
+        let (Push::To(ObstaclePose { obstacle, .. }) | Push::By(Hand { obstacle, .. })) = push;
+        if self.poses.iter().map(|pose| pose.obstacle).chain(self.hand.map(|hand| hand.obstacle)).any(|other| other == obstacle) {
+            return Err(PyValueError::new_err(format!("obstacle: must be steered once at an instant, found {obstacle} again")));
+        }
+        match push {
+            Push::To(pose) => self.poses.push(pose),
+            Push::By(hand) => {
+                if let Some(other) = self.hand {
+                    let found = format!("found obstacles {} and {obstacle}", other.obstacle);
+                    return Err(PyValueError::new_err(format!("hand: must be the only one at an instant, {found}")));
+                }
+                hand.check(n).map_err(|error| PyValueError::new_err(error.to_string()))?;
+                self.hand = Some(hand);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads what an obstacle is sent by: a pose, or a `cohaul.Hand`.
 ///
 /// # Errors
-/// When an obstacle is not there, or a pose is none.
-pub fn pushers(value: Option<&Bound<PyDict>>, n: usize) -> PyResult<Vec<ObstaclePose>> {
-    let Some(given) = value else { return Ok(Vec::new()) };
-    let read = |(obstacle, value): (Bound<PyAny>, Bound<PyAny>)| {
+/// When it is neither.
+pub fn push(obstacle: usize, value: &Bound<PyAny>, path: &str) -> PyResult<Push> {
+    if !value.hasattr("stiffness_n_per_m")? {
+        return Ok(Push::To(ObstaclePose { obstacle, pose: pose(value, path)? }));
+    }
+    let pair = |name: &str| Ok::<Vec2, PyErr>(value.getattr(name)?.extract::<(f64, f64)>().map(|(x, y)| Vec2::new(x, y))?);
+    let number = |name: &str| value.getattr(name)?.extract::<f64>();
+    let (target, axis) = (pair("target_m")?, pair("axis")?);
+    let [stiffness, force_limit] = [number("stiffness_n_per_m")?, number("force_limit_n")?];
+    Ok(Push::By(Hand { obstacle, target, axis, stiffness, force_limit }))
+}
+
+/// Reads the commands of a mapping from obstacles, of which there are `n`.
+///
+/// # Errors
+/// When an obstacle is not there, or a command is none.
+pub fn pushers(value: Option<&Bound<PyDict>>, n: usize) -> PyResult<Pushes> {
+    let mut pushes = Pushes::default();
+    for (obstacle, value) in value.into_iter().flatten() {
         let obstacle = index(&obstacle, "pushers: obstacle", n)?;
-        Ok(ObstaclePose { obstacle, pose: pose(&value, &format!("pushers[{obstacle}]"))? })
-    };
-    given.iter().map(read).collect()
+        pushes.add(push(obstacle, &value, &format!("pushers[{obstacle}]"))?, n)?;
+    }
+    Ok(pushes)
 }

@@ -13,9 +13,10 @@ use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::geometry::overlap_depth;
 use cohaul::model::{ObstaclePath, ObstaclePose};
 use cohaul::scenario::Scenario;
+use cohaul::simulation::{Hand, HandError};
 
 use crate::points::LARGEST;
-use crate::seen::Seen;
+use crate::seen::{Pushes, Seen};
 
 /// Depth inside an obstacle over the load's radius up to which it is rounding (1).
 const ROUNDING: f64 = 1e-6;
@@ -30,7 +31,6 @@ pub struct State {
     pub is_steered: Vec<bool>,
     /// Kept for their memory.
     pub targets: Vec<Vec2>,
-    between: Vec<Vec2>,
     pub is_broken: bool,
 }
 
@@ -53,7 +53,6 @@ impl State {
             tips: vec![None; n_springs],
             is_steered: vec![false; scenario.system.world.obstacles.len()],
             targets: Vec::with_capacity(n_springs),
-            between: Vec::with_capacity(n_springs),
             is_broken: false,
         }
     }
@@ -72,38 +71,52 @@ impl State {
         Seen::of(&scenario.system, self.backend.as_ref(), self.time)
     }
 
-    /// Moves the tips to `targets` and these obstacles to their poses, and stops at each instant at
-    /// which an obstacle turns.
-    pub fn advance(&mut self, scenario: &Scenario, pushers: &[ObstaclePose], duration: f64) -> StepReport {
-        for ObstaclePose { obstacle, pose } in pushers {
+    /// Moves the tips to `targets`, these obstacles to their poses, and what a hand holds. It stops
+    /// at each instant at which an obstacle turns.
+    ///
+    /// # Errors
+    /// When the hand cannot push. The load may then be anywhere within the time.
+    pub fn advance(&mut self, scenario: &Scenario, pushes: &Pushes, duration: f64) -> Result<StepReport, HandError> {
+        for ObstaclePose { obstacle, pose } in &pushes.poses {
             self.is_steered[*obstacle] |= self.backend.steer(*obstacle, &[(duration, *pose)]);
         }
+        pushes.hand.iter().for_each(|hand| self.is_steered[hand.obstacle] = true);
         let (from, to) = (self.time, self.time + duration);
         let mut corner = scenario.system.world.next_corner(from);
         let before = (corner < to).then(|| {
             let start: Vec<Vec2> = self.tips.iter().map(|tip| tip.unwrap_or_default()).collect();
+            let end = std::mem::take(&mut self.targets);
             let mut report = StepReport::default();
             while corner < to {
                 let share = (corner - from) / duration;
-                self.between.clear();
-                self.between.extend(start.iter().zip(&self.targets).map(|(start, end)| start + share * (end - start)));
-                report.add(&self.backend.advance(&self.between, corner - self.time));
-                self.time = corner;
+                self.targets.clear();
+                self.targets.extend(start.iter().zip(&end).map(|(start, end)| start + share * (end - start)));
+                report.add(&self.advance_to(scenario, pushes.hand.as_ref(), corner)?);
                 corner = scenario.system.world.next_corner(corner);
             }
-            report
+            self.targets = end;
+            Ok::<StepReport, HandError>(report)
         });
-        let mut report = self.backend.advance(&self.targets, to - self.time);
+        let before = before.transpose()?;
+        let mut report = self.advance_to(scenario, pushes.hand.as_ref(), to)?;
         if let Some(before) = before {
             report.add(&before);
         }
-        self.time = to;
         for (tip, target) in self.tips.iter_mut().zip(&self.targets) {
             if tip.is_some() {
                 *tip = Some(*target);
             }
         }
-        report
+        Ok(report)
+    }
+
+    fn advance_to(&mut self, scenario: &Scenario, hand: Option<&Hand>, to: f64) -> Result<StepReport, HandError> {
+        let report = match hand {
+            Some(hand) => hand.advance(self.backend.as_mut(), &scenario.system.world, [self.time, to], &self.targets)?,
+            None => self.backend.advance(&self.targets, to - self.time),
+        };
+        self.time = to;
+        Ok(report)
     }
 
     /// The state as numbers.

@@ -6,6 +6,7 @@ use std::time::Instant;
 use cohaul::backend::{BackendOptions, SavedState, Status, StepReport};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
+use cohaul::simulation::HandError;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -140,16 +141,17 @@ impl Stepper {
     }
 
     /// Moves all tips straight to `tips` (m, world, one entry a spring), and the obstacles of
-    /// `pushers` straight to their poses (x, y in m, heading in rad, world), within a time (s).
-    /// Returns how the steps ended: `converged`, `not_converged` or `failed`. An interrupt leaves
-    /// all as it was before.
+    /// `pushers` straight to their poses (x, y in m, heading in rad, world) or by the spring of a
+    /// hand, within a time (s). Returns how the steps ended: `converged`, `not_converged` or
+    /// `failed`. An interrupt leaves all as it was before.
     #[pyo3(signature = (tips, duration_s, pushers=None))]
     fn advance(&self, py: Python, tips: &Bound<PyAny>, duration_s: f64, pushers: Option<&Bound<PyDict>>) -> PyResult<&'static str> {
         let most = if self.options.tolerance.is_some() { LONGEST } else { MOST_STEPS * self.options.step_s };
         if !(duration_s > 0.0 && duration_s <= most) {
             return Err(refused("duration_s", &format!("must be above 0 and at most {most} s"), duration_s));
         }
-        let pushers = crate::seen::pushers(pushers, self.scenario.system.world.obstacles.len())?;
+        let pushes = crate::seen::pushers(pushers, self.scenario.system.world.obstacles.len())?;
+        let before = if pushes.hand.is_some() { Some(self.saved()?) } else { None };
         let (mut targets, attached) = {
             let state = &mut *self.state()?;
             (std::mem::take(&mut state.targets), state.tips.iter().map(Option::is_some).collect::<Vec<_>>())
@@ -158,13 +160,19 @@ impl Stepper {
         let advance = || {
             self.with(|state| {
                 state.targets = targets;
-                let report = state.advance(&self.scenario, &pushers, duration_s);
+                let report = state.advance(&self.scenario, &pushes, duration_s)?;
                 state.totals.add(&report);
-                report
+                Ok::<StepReport, HandError>(report)
             })
         };
         let report = if self.lasts(duration_s) { self.undone_by_interrupt(py, advance) } else { py.allow_threads(advance) }?;
-        Ok(name_of(report.status))
+        match (report, before) {
+            (Ok(report), _) => Ok(name_of(report.status)),
+            (Err(error), before) => {
+                before.as_ref().map_or(Ok(()), |before| self.put(before))?;
+                Err(PyValueError::new_err(error.to_string()))
+            }
+        }
     }
 
     /// Complete state as text, from which `load` continues bit for bit.

@@ -231,3 +231,59 @@ def test_gymnasium_steers_pushers() -> None:
     # The goal's radius is 10 mm, and the pusher goes 0.05 mm in each period.
     assert terminated and abs(n_steps - 200) <= 2 and reward > 0.0
     assert abs(math.hypot(*observation[11:13]) - 1.0) < 1e-6
+
+
+BOX = {
+    "name": "a box before a hand", "duration_s": 1.2, "control_period_s": 0.005, "springs": [],
+    "load": {"mass_kg": 1.0, "outline": {"rectangle": {"size_m": [0.2, 0.1]}}, "side_friction_coefficient": 0.2},
+    "ground": {"friction_coefficient": 0.3, "supports": {"uniform": {"n": 4}}},
+    "obstacles": [
+        {"name": "hand", "outline": {"disc": {"radius_m": 0.02}}, "position_m": [-0.125, 0.0], "friction_coefficient": 0.2},
+        {
+            "name": "conveyor", "outline": {"disc": {"radius_m": 0.02}},
+            "path": {"waypoints": [[0.0, 1.0, 1.0, 0.0], [1.0, 1.0, 1.0, 0.0], [2.0, 2.0, 1.0, 0.0]]},
+        },
+    ],
+    "drive": {"kind": "tips", "paths": []},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("backend", cohaul.BACKENDS)
+def test_a_hand_stays_behind_by_the_resistance_over_the_stiffness(backend: str) -> None:
+    """With inertia the box swings about that: x = v t - (v / w) sin(w t) since the slip onset."""
+    scenario = cohaul.Scenario(BOX | {"duration_s": 0.95})
+    onset = 0.1 + scenario.slip_limit_n / 100.0 / 0.05
+
+    def control(view: cohaul.View) -> None:
+        until = view.time_s + view.control_period_s
+        view.steer(0, cohaul.Hand((-0.125 + 0.05 * until, 7.0), (2.0, 0.0), 100.0))
+
+    trace = cohaul.run(scenario, backend, controller=control).trace
+    since = np.maximum(trace["time_s"] - onset, 0.0)
+    swing = 0.0 if backend == "quasi-static" else 0.005 * np.sin(10.0 * since)
+    missed = np.abs(trace["x_m"] - (0.05 * since - swing))
+    # Of first order in the period with inertia.
+    assert missed.max() < (1e-8 if backend == "quasi-static" else 3e-4)
+    assert trace["x_m"][-1] > 5e-3 - (0.0 if backend == "quasi-static" else 4.5e-3)
+
+
+def test_a_hand_that_cannot_push_changes_nothing() -> None:
+    sim = cohaul.Simulation(BOX, "inertial")
+    hand = cohaul.Hand((0.0, 0.0), stiffness_n_per_m=100.0)
+    assert sim.advance([], 0.1, pushers={0: hand}) == "converged" and sim.pose[0] > 0.01
+    sim.advance([], 0.9, pushers={0: sim.obstacles[0]})
+    before = sim.save()
+    with pytest.raises(ValueError, match="hand: must be the only obstacle that moves, found that obstacle 1 moves as well"):
+        sim.advance([], 0.1, pushers={0: hand})
+    assert sim.save() == before
+    with pytest.raises(ValueError, match="hand: must be the only one at an instant, found obstacles 0 and 1"):
+        sim.advance([], 0.1, pushers={0: hand, 1: hand})
+    for wrong, error in [
+        ({"axis": (0.0, 0.0)}, "axis: must have a length above 0"),
+        ({"stiffness_n_per_m": 0.0}, "stiffness_n_per_m: must be above 0 and finite"),
+        ({"force_limit_n": math.nan}, "force_limit_n: must be at least 0"),
+    ]:
+        with pytest.raises(ValueError, match=error):
+            cohaul.Hand((0.0, 0.0), **wrong)
+    with pytest.raises(TypeError, match="target_m: must be two numbers"):
+        cohaul.Hand((0.0, 0.0, 0.0))  # type: ignore[arg-type]

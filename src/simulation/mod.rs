@@ -3,6 +3,7 @@
 //! ```text
 //! run.rs          the loop: Simulation::step is the place to begin
 //! controllers/    what moves the tips: ants, prescribed paths, a recorded run
+//! hand.rs         an obstacle that is held by a spring
 //! clock.rs        control ticks, parts of control periods, and the end
 //! account.rs      whether the numbers of a run can be trusted, and why not
 //! resolution.rs   how well the steps resolve the motion
@@ -21,6 +22,7 @@ mod checkpoints;
 mod clock;
 pub mod controllers;
 mod doubt_times;
+mod hand;
 mod repeats;
 mod resolution;
 pub mod rules;
@@ -35,11 +37,9 @@ pub use account::{Account, Cause, Finding, Health};
 pub use clock::SAME_INSTANT;
 pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller_of, follow_ants};
 pub use doubt_times::DoubtTimes;
+pub use hand::{Hand, HandError};
 pub use repeats::Repeats;
 pub use resolution::Resolution;
 pub use run::{MakeBackend, Simulation, backend_of};
 pub use saved_run::SavedRun;
 pub use trace::{Event, EventKind, Keep, Outcome, Row, Trace};
-
-#[cfg(test)]
-mod tests;

@@ -194,14 +194,17 @@ impl<'a> Simulation<'a> {
         self.act();
         self.record(motion);
         let until = self.clock.next(self.controller.next_instant(time), |time| scenario.system.world.next_corner(time));
-        let is_steered = scenario.system.world.is_empty() || self.steer(motion, until);
+        let world = &scenario.system.world;
+        let is_steered = world.is_empty() || self.steer(motion, until);
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
+        let hand = if world.is_empty() { None } else { self.controller.hand(&view, until) };
         let targets = self.controller.targets(&view, until);
-        let report = if is_steered {
-            self.backend.advance(targets, until - time)
-        } else {
-            StepReport { status: Status::Failed, ..StepReport::default() }
+        let moved = match hand {
+            _ if !is_steered => None,
+            None => Some(self.backend.advance(targets, until - time)),
+            Some(hand) => hand.advance(self.backend.as_mut(), world, [time, until], targets).ok(),
         };
+        let report = moved.unwrap_or(StepReport { status: Status::Failed, ..StepReport::default() });
         self.totals.doubtful.note(&report, time);
         self.totals.steps.add(&report);
         self.observe();

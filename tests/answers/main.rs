@@ -7,6 +7,8 @@ mod oracle;
 mod quantities;
 #[path = "../common/random_scenes.rs"]
 mod random_scenes;
+mod runs;
 mod surveys;
 mod tips;
+mod uniform_supports;
 mod vary;

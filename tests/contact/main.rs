@@ -4,6 +4,7 @@
 mod bounded;
 mod energy;
 mod gap;
+mod hand;
 mod impacts;
 mod inertial;
 mod invariance;

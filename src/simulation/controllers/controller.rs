@@ -7,6 +7,7 @@ use crate::math::{Pose, Summary, Vec2};
 use crate::model::ObstaclePose;
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
+use crate::simulation::hand::Hand;
 use crate::simulation::trace::Event;
 
 /// Moves the tips of springs (grasps, releases and paths), and obstacles that push.
@@ -68,6 +69,12 @@ pub trait Controller {
     /// where it is no longer named. A run on a backend that cannot steer it fails.
     fn pushers(&mut self, _view: &View, _until: f64) -> &[ObstaclePose] {
         &[]
+    }
+
+    /// The hand that the controller holds from now to the time `until` (s), if it does: an obstacle
+    /// that a spring pushes, in place of a pose. A run in which it cannot push fails.
+    fn hand(&mut self, _view: &View, _until: f64) -> Option<Hand> {
+        None
     }
 
     /// First instant after `time`, besides control ticks, at which something happens or a tip

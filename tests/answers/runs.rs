@@ -3,12 +3,11 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::run::attached_tips;
-use super::{AttachedTips, Commands, Controller, Keep, Replay, Row, Simulation, View, controller_of, follow_ants};
-use crate::backend::{BackendKind, BackendOptions, Motion};
-use crate::math::Vec2;
-use crate::model::ant::Ant;
-use crate::scenario::Scenario;
+use cohaul::backend::{AttachedTip, BackendKind, BackendOptions, Motion};
+use cohaul::math::Vec2;
+use cohaul::model::ant::Ant;
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{AttachedTips, Commands, Controller, Keep, Replay, Row, Simulation, View, controller_of, follow_ants};
 
 /// Ants that compare the tips in their view with those that the backend returns one by one, and
 /// store the latter after they have acted.
@@ -18,7 +17,8 @@ struct Comparing {
 }
 
 fn read_one_by_one(view: &View) -> AttachedTips {
-    attached_tips(view.scenario, view.backend)
+    let read = |spring| Some(AttachedTip { spring, position: view.backend.tip(spring)?, pull: view.backend.pull(spring) });
+    (0..view.scenario.system.springs.len()).filter_map(read).collect()
 }
 
 impl Controller for Comparing {
