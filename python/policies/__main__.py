@@ -50,6 +50,7 @@ def train(asked: Any) -> None:
 def judge(asked: Any) -> None:
     from judge import judged
     from policy import Network, towards_the_goal
+    from pushes import planned_pushes
 
     found = stored(asked.out / "judgement.json")
     for name in asked.only:
@@ -57,8 +58,8 @@ def judge(asked: Any) -> None:
         if (asked.out / f"{name}.npz").exists():
             network = Network.load(asked.out / f"{name}.npz")
             found[name]["PPO"] = judged(name, lambda env: network)  # noqa: B023
-        if name != "PushT":
-            found[name]["towards the goal"] = judged(name, towards_the_goal)
+        rule, make = ("planned pushes", planned_pushes) if name == "PushT" else ("towards the goal", towards_the_goal)
+        found[name][rule] = judged(name, make)
         write(asked.out / "judgement.json", found)
 
 
