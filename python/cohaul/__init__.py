@@ -32,13 +32,14 @@ from ._native import View, __version__
 from ._parts import ants, ground, load, path, spring, tips
 from ._rollouts import Rollouts, rollouts
 from ._run import Controller, Event, Run, Tips, Trace, run
-from ._scenario import Scenario, Source
+from ._scenario import SCENES, Scenario, Source
 from ._simulation import Simulation
 from ._sweep import Sweep, sweep
 from ._view import view
 
 __all__ = [
     "BACKENDS",
+    "SCENES",
     "Check",
     "Comparison",
     "Conformance",

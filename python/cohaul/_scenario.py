@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 from typing import Any, Literal, Mapping, Union
@@ -11,6 +12,10 @@ from ._errors import ScenarioError
 from ._options import as_json, plain, whole
 
 Source = Union["Scenario", Mapping[str, Any], str, "os.PathLike[str]"]
+
+
+SCENES: tuple[str, ...] = tuple(name for name, _ in _native.shipped())
+"""Names of the scenes that come with the package, for :meth:`Scenario.shipped`."""
 
 
 class Scenario:
@@ -59,6 +64,19 @@ class Scenario:
             written = self._written
         self._written = plain({**written, **keys}, self._file)
         self._scene = _native.Scene.parse(as_json(self._written), self._file)
+
+    @classmethod
+    def shipped(cls, name: str) -> Scenario:
+        """A scene that comes with the package; :data:`SCENES` has the names of all.
+
+        >>> Scenario.shipped("contact/pusher").name
+        'disc pushed straight ahead by a post that moves 50 mm'
+        """
+        texts = dict(_native.shipped())
+        if name not in texts:
+            near = difflib.get_close_matches(str(name), SCENES, 1)
+            raise KeyError(f"name: must be one of cohaul.SCENES, found {name!r}" + "".join(f"; {other!r} is near" for other in near))
+        return cls(json.loads(texts[name]))
 
     @property
     def name(self) -> str:

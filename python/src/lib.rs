@@ -71,7 +71,7 @@ mod _native {
     #[pymodule_export]
     use super::run::{RunData, run};
     #[pymodule_export]
-    use super::scene::Scene;
+    use super::scene::{Scene, shipped};
     #[pymodule_export]
     use super::stepper::{Stepper, rust_loop_s};
     #[pymodule_export]

@@ -2,11 +2,18 @@
 
 use std::sync::Arc;
 
+use cohaul::scenario::shipped::names;
 use cohaul::scenario::{Drive, Scenario, ScenarioError};
 use cohaul_report::json;
 use pyo3::prelude::*;
 
 use crate::work::{guarded, internal, raised};
+
+/// Names and texts of the scenes that come with the package.
+#[pyfunction]
+pub fn shipped() -> Vec<(&'static str, &'static str)> {
+    names().filter_map(|name| Some((name, cohaul::scenario::shipped::shipped(name)?))).collect()
+}
 
 /// A scenario that keeps all rules, and the text that it was read from.
 #[pyclass(frozen, module = "cohaul._native")]

@@ -53,6 +53,15 @@ def test_scenarios_from_dicts_files_and_keywords_are_equal(four_ants: Path, tmp_
         from_file.replace({"springs[9].damping_ratio": 0.5})
 
 
+def test_all_scenes_of_the_project_come_with_the_package() -> None:
+    files = {path.relative_to(SCENES).with_suffix("").as_posix() for path in SCENES.glob("*/*.json")}
+    assert files == set(cohaul.SCENES) and len(cohaul.SCENES) == len(files)
+    for name in cohaul.SCENES:
+        assert cohaul.Scenario.shipped(name) == cohaul.Scenario(SCENES / f"{name}.json"), name
+    with pytest.raises(KeyError, match="found 'contact/pushr'; 'contact/pusher' is near"):
+        cohaul.Scenario.shipped("contact/pushr")
+
+
 def test_columns_are_read_in_place_and_outlive_the_run(pulled: Path) -> None:
     run = cohaul.run(pulled, step_s=1e-3)
     x, again = run.trace["x_m"], run.trace._data.column("x_m")

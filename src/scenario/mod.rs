@@ -15,6 +15,7 @@ mod warnings;
 
 pub mod format;
 pub mod presets;
+pub mod shipped;
 
 pub use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};

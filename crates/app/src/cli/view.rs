@@ -9,8 +9,9 @@ use super::console::{note, print};
 use super::error::CliError;
 use super::input::{read_scenario, warn_of_scenario};
 use super::watch::is_interrupted;
-use crate::live::{FIRST, LiveScene, Server, shipped};
+use crate::live::{LiveScene, Server};
 use cohaul::scenario::Scenario;
+use cohaul::scenario::shipped::{FIRST, shipped};
 
 #[derive(Args)]
 #[command(after_help = "\

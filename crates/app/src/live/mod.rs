@@ -17,7 +17,6 @@
 //! session.rs    one page from its opening to its end: time, frames, changes
 //! server.rs     HTTP and WebSocket on the loopback interface
 //! page.rs       the page: its scripts and live.css beside the replay's own
-//! shipped.rs    scenes that come with the program
 //!
 //! course.js     frames by time, and the curves that they make
 //! keep.js       undo, links and the last change, kept by the browser
@@ -38,7 +37,6 @@ mod scene;
 mod server;
 mod session;
 mod settings;
-mod shipped;
 mod verdict;
 
 pub use hand::{Handle, Pull, Reach, Span};
@@ -48,5 +46,4 @@ pub use scene::{Edit, LiveScene};
 pub use server::{Server, ServerError};
 pub use session::{Gone, Session};
 pub use settings::Settings;
-pub use shipped::{FIRST, shipped};
 pub use verdict::Judge;

@@ -1,14 +1,15 @@
-//! Scenes that come with the program: all of `scenarios/`.
+//! Scenes that come with the library: all of `scenarios/`.
 
 /// Names and texts of the files with these names.
 macro_rules! texts {
     ($($name:literal,)*) => {
-        [$(($name, include_str!(concat!("../../../../scenarios/", $name, ".json")))),*]
+        [$(($name, include_str!(concat!("../../scenarios/", $name, ".json")))),*]
     };
 }
 
-const SHIPPED: [(&str, &str); 56] = texts![
+const SHIPPED: [(&str, &str); 57] = texts![
     "paper/corridor",
+    "paper/doorway",
     "paper/five-ants-ten-springs",
     "paper/four-ants-four-springs",
     "paper/four-tips-held",
@@ -66,14 +67,15 @@ const SHIPPED: [(&str, &str); 56] = texts![
     "stress/zero-normal-load",
 ];
 
-/// The scene of a page that was given none.
+/// A scene to begin with.
 pub const FIRST: &str = "paper/four-ants-four-springs";
 
-/// The text of the scenario with this name.
+/// The text of the scene with this name; `None` if there is none.
 pub fn shipped(name: &str) -> Option<&'static str> {
     SHIPPED.iter().find(|(own, _)| *own == name).map(|(_, text)| *text)
 }
 
+/// Names of all these scenes, as `contact/pusher`.
 pub fn names() -> impl Iterator<Item = &'static str> {
     SHIPPED.iter().map(|(name, _)| *name)
 }
