@@ -92,7 +92,8 @@ impl Shown<Vec<f64>> {
         let mut left = self.map(Vec::as_mut_slice);
         let of = |n_left: usize| {
             left.map(|left| {
-                let (now, later) = std::mem::take(left).split_at_mut(left.len() / n_left);
+                let width = left.len() / n_left;
+                let (now, later) = std::mem::take(left).split_at_mut(width);
                 *left = later;
                 now
             })
