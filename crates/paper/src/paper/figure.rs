@@ -60,7 +60,7 @@ pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
         speed.curves.push(whisker(x, CAP, spread, FAINT));
         speed.curves.extend(dot(x, estimate, MILLI, OURS));
     }
-    speed.note = Some("bars: all runs; whiskers: 95 %; dotted: standard deviation over runs".to_owned());
+    speed.note = Some("whiskers: 95 %; dotted: spread of runs".to_owned());
     for size in printed::SMALLEST_OF_TEN..=10 {
         let x = size as f64;
         share.curves.push(Curve::new(vec![[x, printed::share_of_size(size)]], PRINTED, Shape::Crosses));
