@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import numbers
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from typing import Any
 
-import numpy.typing as npt
+import numpy as np
 
 from .results import FloatArray
 
@@ -18,7 +20,8 @@ class Hand:
 
     A controller gives it to ``view.steer``, and a loop of its own to ``advance``, in place of a pose.
     The hand has no mass. In each period it goes along the axis to where the force of the spring is
-    the mean force that the load withstands; a load that stands lets it stand. Across the axis and in
+    the force that the load withstands at the end, and with inertia the mean force; a load that stands
+    lets it stand. What touches nothing is at its target. Across the axis and in
     its heading it is stiff. There is one hand at an instant, and no other obstacle moves meanwhile.
 
     >>> import cohaul
@@ -44,30 +47,42 @@ class Hand:
     def __post_init__(self) -> None:
         target, axis = _pair("target_m", self.target_m), _pair("axis", self.axis)
         length = math.hypot(*axis)
-        if length == 0.0:
-            raise ValueError("axis: must have a length above 0, found (0.0, 0.0)")
+        if not 1e-100 < length < math.inf:
+            raise ValueError(f"axis: must have a length above 0, found {self.axis!r}")
         for name, least in (("stiffness_n_per_m", "above 0 and finite"), ("force_limit_n", "at least 0")):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise TypeError(f"{name}: must be a number, found {value!r}")
+            value = _number(name, getattr(self, name))
             if not (value >= 0.0) or (name == "stiffness_n_per_m" and not 0.0 < value < math.inf):
                 raise ValueError(f"{name}: must be {least}, found {value!r}")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, value)
         object.__setattr__(self, "target_m", target)
         object.__setattr__(self, "axis", (axis[0] / length, axis[1] / length))
 
     def force_n(self, pose: Sequence[float] | FloatArray) -> float:
-        """Force of the spring along the axis, on an obstacle at this pose (N). At the end of a period
-        it is that of the obstacle on the load."""
+        """Force of the spring along the axis, on an obstacle at this pose (N).
+
+        At the end of a period it balances what the load withstands: the contact force there of a load
+        that moves without inertia, and the mean contact force of the period with inertia. A load that
+        stands may have any contact force up to it in the results.
+        """
+        if len(pose) < 2:
+            raise ValueError(f"pose: must have x and y, found {pose!r}")
         ahead = sum(axis * (target - float(at)) for axis, target, at in zip(self.axis, self.target_m, pose))
-        return max(-self.force_limit_n, min(self.stiffness_n_per_m * ahead, self.force_limit_n))
+        return ahead if math.isnan(ahead) else max(-self.force_limit_n, min(self.stiffness_n_per_m * ahead, self.force_limit_n))
 
 
-def _pair(name: str, value: npt.ArrayLike) -> tuple[float, float]:
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
+        raise TypeError(f"{name}: must be a number, found {value!r}")
     try:
-        x, y = (float(number) for number in value)  # type: ignore[union-attr, arg-type]
-    except (TypeError, ValueError):
-        raise TypeError(f"{name}: must be two numbers, found {value!r}") from None
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{name}: must be a number of double precision, found one beyond") from None
+
+
+def _pair(name: str, value: Any) -> tuple[float, float]:
+    if isinstance(value, (str, bytes, Mapping, Set)) or not hasattr(value, "__iter__") or len(list(value)) != 2:
+        raise TypeError(f"{name}: must be two numbers, found {value!r}")
+    x, y = (_number(name, number) for number in value)
     if not (math.isfinite(x) and math.isfinite(y)):
         raise ValueError(f"{name}: must be finite, found {value!r}")
     return x, y

@@ -73,7 +73,7 @@ class Scenario:
         'disc pushed straight ahead by a post that moves 50 mm'
         """
         texts = dict(_native.shipped())
-        if name not in texts:
+        if not isinstance(name, str) or name not in texts:
             near = difflib.get_close_matches(str(name), SCENES, 1)
             raise KeyError(f"name: must be one of cohaul.SCENES, found {name!r}" + "".join(f"; {other!r} is near" for other in near))
         return cls(json.loads(texts[name]))

@@ -120,7 +120,7 @@ impl Pushes {
 /// # Errors
 /// When it is neither.
 pub fn push(obstacle: usize, value: &Bound<PyAny>, path: &str) -> PyResult<Push> {
-    if !value.hasattr("stiffness_n_per_m")? {
+    if !value.hasattr("target_m")? {
         return Ok(Push::To(ObstaclePose { obstacle, pose: pose(value, path)? }));
     }
     let pair = |name: &str| Ok::<Vec2, PyErr>(value.getattr(name)?.extract::<(f64, f64)>().map(|(x, y)| Vec2::new(x, y))?);

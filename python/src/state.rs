@@ -32,6 +32,7 @@ pub struct State {
     /// Kept for their memory.
     pub targets: Vec<Vec2>,
     pub is_broken: bool,
+    has_inertia: bool,
 }
 
 /// Length of the state of a load as numbers (1).
@@ -54,6 +55,7 @@ impl State {
             is_steered: vec![false; scenario.system.world.obstacles.len()],
             targets: Vec::with_capacity(n_springs),
             is_broken: false,
+            has_inertia: options.kind.has_inertia(),
         }
     }
 
@@ -112,7 +114,7 @@ impl State {
 
     fn advance_to(&mut self, scenario: &Scenario, hand: Option<&Hand>, to: f64) -> Result<StepReport, HandError> {
         let report = match hand {
-            Some(hand) => hand.advance(self.backend.as_mut(), &scenario.system.world, [self.time, to], &self.targets)?,
+            Some(hand) => hand.advance(self.backend.as_mut(), &scenario.system.world, [self.time, to], &self.targets, self.has_inertia)?,
             None => self.backend.advance(&self.targets, to - self.time),
         };
         self.time = to;

@@ -165,7 +165,8 @@ impl Stepper {
                 Ok::<StepReport, HandError>(report)
             })
         };
-        let report = if self.lasts(duration_s) { self.undone_by_interrupt(py, advance) } else { py.allow_threads(advance) }?;
+        let report =
+            if self.lasts(duration_s) || before.is_some() { self.undone_by_interrupt(py, advance) } else { py.allow_threads(advance) }?;
         match (report, before) {
             (Ok(report), _) => Ok(name_of(report.status)),
             (Err(error), before) => {

@@ -285,5 +285,12 @@ def test_a_hand_that_cannot_push_changes_nothing() -> None:
     ]:
         with pytest.raises(ValueError, match=error):
             cohaul.Hand((0.0, 0.0), **wrong)
-    with pytest.raises(TypeError, match="target_m: must be two numbers"):
-        cohaul.Hand((0.0, 0.0, 0.0))  # type: ignore[arg-type]
+    for wrong in [(0.0, 0.0, 0.0), "12", {1: 2, 3: 4}, 5.0]:
+        with pytest.raises(TypeError, match="target_m: must be two numbers"):
+            cohaul.Hand(wrong)  # type: ignore[arg-type]
+    assert cohaul.Hand((0.0, 0.0), stiffness_n_per_m=np.float32(100)) == cohaul.Hand((0.0, 0.0))
+    with pytest.raises(ValueError, match="stiffness_n_per_m: must be a number of double precision"):
+        cohaul.Hand((0.0, 0.0), stiffness_n_per_m=10**400)
+    with pytest.raises(ValueError, match="found that obstacle 1 moves as well"):
+        moving = {**BOX["obstacles"][1], "path": {"waypoints": [[0.0, 1.0, 1.0, 0.0], [1.0, 2.0, 1.0, 0.0]]}}
+        cohaul.run(BOX | {"obstacles": [BOX["obstacles"][0], moving]}, controller=lambda view: view.steer(0, hand))

@@ -2,18 +2,22 @@
 //! holds its finger.
 //!
 //! The hand has no mass. Over a step it moves straight along its axis, to where the spring's force
-//! is the mean force that the load has withstood:
+//! is the one that the load withstands:
 //!
 //! ```text
 //! F(s) = clamp(k (a - s), -F_max, F_max)      s moved, a to the target at the start of the step
-//! F(s) s = W(s)                               W work of the hand on the load in the step
+//! F(s) = f(s)                                 without inertia: force on the load at the end
+//! F(s) s = W(s)                               with inertia: mean force, from the hand's work W
 //! ```
+//!
+//! Without inertia a mean over the step would count what the spring does before the hand touches.
+//! With inertia it contains the impact, which a force at an instant does not.
 //!
 //! The force that a load withstands grows with s, so that a bracket finds the root. Each trial
 //! advances a saved state of the backend, whichever it is. A load that stands withstands every
 //! force up to its limit, and the hand stands before it.
 
-use crate::backend::{Backend, RestoreError, SaveError, Status, StepReport};
+use crate::backend::{Backend, RestoreError, SavedState, Status, StepReport};
 use crate::math::{Pose, Vec2};
 use crate::model::World;
 use crate::model::geometry::overlap_depth;
@@ -59,14 +63,10 @@ pub enum HandError {
     OtherMoves(usize),
     #[error("hand: must be on a backend that steers obstacles and can be saved, found one that cannot")]
     Backend,
+    #[error("hand: must have a target near which spring and load balance, found one {0:e} m away without")]
+    NoBalance(f64),
     #[error("hand: {0}")]
     Restore(#[from] RestoreError),
-}
-
-impl From<SaveError> for HandError {
-    fn from(_: SaveError) -> Self {
-        Self::Backend
-    }
 }
 
 /// One step of a hand.
@@ -77,11 +77,15 @@ struct Step<'a> {
     /// Start and end of the step (s).
     times: [f64; 2],
     targets: &'a [Vec2],
+    has_inertia: bool,
     start: Pose,
     /// To the target (m).
     ahead: f64,
     /// Smallest way that is tried (m).
     least: f64,
+    /// State at the start of the step, and the displacement (m) and report of the last trial.
+    saved: SavedState,
+    last: Option<(f64, StepReport)>,
 }
 
 impl Hand {
@@ -110,44 +114,42 @@ impl Hand {
     }
 
     /// Advances a backend from one time to another (s) with its tips to `targets`, while the hand
-    /// pushes. All other obstacles of `world` must stand still. Only the advance in which the hand
-    /// moves as far as it does is reported.
+    /// pushes a load that `has_inertia` or not. All other obstacles of `world` must stand still.
+    /// Only the advance in which the hand moves as far as it does is reported.
     ///
     /// # Errors
-    /// When the hand is none, another obstacle moves, or the backend can neither be steered nor
-    /// saved. The backend may then stand anywhere within the step.
-    pub fn advance(&self, backend: &mut dyn Backend, world: &World, times: [f64; 2], targets: &[Vec2]) -> Result<StepReport, HandError> {
+    /// When the hand is none, another obstacle moves, nothing balances the spring, or the backend
+    /// can neither be steered nor saved. The backend may then stand anywhere within the step.
+    pub fn advance(
+        &self,
+        backend: &mut dyn Backend,
+        world: &World,
+        times: [f64; 2],
+        targets: &[Vec2],
+        has_inertia: bool,
+    ) -> Result<StepReport, HandError> {
         self.check(world.obstacles.len())?;
         let start = pose_at(backend, world, self.obstacle, times[0]);
         let ahead = (self.target - start.position).dot(&self.axis);
-        let mut step = Step { hand: self, backend, world, times, targets, start, ahead, least: TRIED * world.outline.extent() };
-        step.advance()
+        let (saved, last) = (backend.save().map_err(|_| HandError::Backend)?, None);
+        let least = TRIED * world.outline.extent();
+        Step { hand: self, backend, world, times, targets, has_inertia, start, ahead, least, saved, last }.advance()
     }
 }
 
 impl Step<'_> {
-    fn advance(&mut self) -> Result<StepReport, HandError> {
-        let saved = self.backend.save()?;
-        let mut last = None;
-        let mut excess = |step: &mut Self, way: f64| {
-            step.backend.restore(&saved)?;
-            let (report, excess) = step.trial(way)?;
-            last = Some((way, report));
-            Ok::<f64, HandError>(excess)
-        };
-        let way = self.way(&mut excess)?;
-        match last {
-            Some((tried, report)) if tried == way => Ok(report),
-            _ => {
-                self.backend.restore(&saved)?;
-                Ok(self.trial(way)?.0)
-            }
+    fn advance(mut self) -> Result<StepReport, HandError> {
+        let way = self.way()?;
+        if self.last.is_none_or(|(tried, _)| tried != way) {
+            self.excess(way)?;
         }
+        Ok(self.last.expect("a way was tried").1)
     }
 
     /// Advances while the hand moves by `way` (m), and returns by how much the spring's force
     /// exceeds what the load withstands (N).
-    fn trial(&mut self, way: f64) -> Result<(StepReport, f64), HandError> {
+    fn excess(&mut self, way: f64) -> Result<f64, HandError> {
+        self.backend.restore(&self.saved)?;
         let Self { hand, world, times: [from, until], targets, start, ahead, .. } = *self;
         let others = |backend: &dyn Backend, time: f64| -> Vec<Pose> {
             (0..world.obstacles.len()).filter(|at| *at != hand.obstacle).map(|at| pose_at(backend, world, at, time)).collect()
@@ -163,8 +165,20 @@ impl Step<'_> {
             return Err(HandError::OtherMoves(other + usize::from(other >= hand.obstacle)));
         }
         let gives_way = report.status != Status::Failed && self.depth(&end) <= DEEPEST * self.least / TRIED;
-        let withstood = if gives_way { (self.backend.energy().obstacle_work - work) / way } else { f64::INFINITY.copysign(way) };
-        Ok((report, hand.force_ahead(ahead - way) - if way == 0.0 { 0.0 } else { withstood }))
+        let withstood = match (gives_way, self.has_inertia) {
+            (false, _) => f64::INFINITY.copysign(way),
+            (true, true) => (self.backend.energy().obstacle_work - work) / way,
+            (true, false) => self.force_on_load(),
+        };
+        self.last = Some((way, report));
+        Ok(hand.force_ahead(ahead - way) - if way == 0.0 { 0.0 } else { withstood })
+    }
+
+    /// Force of the hand on the load along the axis at the end of the step (N).
+    fn force_on_load(&self) -> f64 {
+        let contacts = self.backend.side_contacts();
+        let own = contacts.iter().filter(|contact| contact.obstacle == self.hand.obstacle);
+        own.map(|contact| contact.force.dot(&self.hand.axis)).sum()
     }
 
     /// Depth by which the load lies inside a hand at this pose (m).
@@ -174,51 +188,43 @@ impl Step<'_> {
     }
 
     /// The way that the hand moves (m). `excess` falls with the way.
-    fn way(&mut self, excess: &mut impl FnMut(&mut Self, f64) -> Result<f64, HandError>) -> Result<f64, HandError> {
+    fn way(&mut self) -> Result<f64, HandError> {
         let (least, ahead) = (self.least, self.ahead);
         let touches = self.backend.side_contacts().iter().any(|contact| contact.obstacle == self.hand.obstacle);
-        if !touches && (ahead == 0.0 || excess(self, ahead)? == 0.0) {
+        if !touches && (ahead == 0.0 || self.excess(ahead)? == 0.0) {
             return Ok(ahead);
         }
-        let on = (least, excess(self, least)?);
+        let on = (least, self.excess(least)?);
         let ends = if on.1 > 0.0 {
-            self.march(on, excess)?.map(|end| [on, end])
+            [on, self.march(on)?]
         } else {
-            let back = (-least, excess(self, -least)?);
+            let back = (-least, self.excess(-least)?);
             if back.1 >= 0.0 {
                 // What stands withstands what comes, and the hand stands as well.
                 return Ok(0.0);
             }
-            self.march(back, excess)?.map(|end| [end, back])
+            [self.march(back)?, back]
         };
-        ends.map_or(Ok(0.0), |ends| self.root(ends, excess))
+        self.root(ends)
     }
 
     /// Goes on to where the excess has the other sign, ever faster, but first to the target.
-    fn march(
-        &mut self,
-        (first, value): (f64, f64),
-        excess: &mut impl FnMut(&mut Self, f64) -> Result<f64, HandError>,
-    ) -> Result<Option<(f64, f64)>, HandError> {
+    fn march(&mut self, (first, value): (f64, f64)) -> Result<(f64, f64), HandError> {
         let mut at = first;
         for _ in 0..MOST_GROWN {
             let passes = (at - self.ahead) * (GROWTH * at - self.ahead) < 0.0;
             at = if passes { self.ahead } else { GROWTH * at };
-            let found = excess(self, at)?;
+            let found = self.excess(at)?;
             if found * value <= 0.0 {
-                return Ok(Some((at, found)));
+                return Ok((at, found));
             }
         }
-        Ok(None)
+        Err(HandError::NoBalance(self.ahead))
     }
 
     /// Where between two ends the excess is zero, or behind which it is below: regula falsi after
     /// Illinois, and bisection where a trial has no finite force.
-    fn root(
-        &mut self,
-        [mut low, mut high]: [(f64, f64); 2],
-        excess: &mut impl FnMut(&mut Self, f64) -> Result<f64, HandError>,
-    ) -> Result<f64, HandError> {
+    fn root(&mut self, [mut low, mut high]: [(f64, f64); 2]) -> Result<f64, HandError> {
         let within = RESOLVED / TRIED * self.least;
         if low.1 == 0.0 || high.1 == 0.0 {
             return Ok(if low.1 == 0.0 { low.0 } else { high.0 });
@@ -232,7 +238,7 @@ impl Step<'_> {
             let secant = (low.0 * above - high.0 * below) / (above - below);
             let is_inside = secant > low.0 && secant < high.0;
             let way = if is_inside { secant } else { 0.5 * (low.0 + high.0) };
-            let value = excess(self, way)?;
+            let value = self.excess(way)?;
             if value == 0.0 {
                 return Ok(way);
             }

@@ -202,7 +202,7 @@ impl<'a> Simulation<'a> {
         let moved = match hand {
             _ if !is_steered => None,
             None => Some(self.backend.advance(targets, until - time)),
-            Some(hand) => hand.advance(self.backend.as_mut(), world, [time, until], targets).ok(),
+            Some(hand) => hand.advance(self.backend.as_mut(), world, [time, until], targets, self.options.kind.has_inertia()).ok(),
         };
         let report = moved.unwrap_or(StepReport { status: Status::Failed, ..StepReport::default() });
         self.totals.doubtful.note(&report, time);

@@ -166,6 +166,46 @@ fn a_force_limit_is_the_force_on_the_box() {
     assert!(ends(&trace, 0.0)[0].abs() < 1e-8);
 }
 
+/// A hand at `beside` (m) the middle of the box.
+fn beside(mut scenario: Scenario, beside: f64) -> Scenario {
+    scenario.system.world.obstacles[0].path.waypoints[0].1.position.y = beside;
+    scenario
+}
+
+/// Also where the hand begins away from the box, and where it touches beside the middle.
+#[test]
+fn a_hand_that_is_weaker_than_friction_moves_nothing() {
+    for (gap, off) in [(0.005, 0.0), (1e-4, 0.02), (0.0, 0.02), (0.0, 0.0)] {
+        for kind in BackendKind::ALL {
+            for period in [0.01, 0.002] {
+                let scenario = beside(scenario(TOUCH - gap, &[], period, 0.3), off);
+                let holding = Holding::new(|time| TOUCH + 0.5 * time, 1e3, 0.85 * RESISTANCE);
+                let (trace, outcome) = run(&scenario, &at_step(kind, &scenario), holding);
+                let moved = trace.rows.last().unwrap().motion.pose.edge_displacement(&scenario.start.pose, 0.112);
+                // The engine creeps.
+                let allowed = if kind.is_exact() { 1e-6 } else { 1e-3 };
+                assert!(outcome.failed_at.is_none() && moved < allowed, "{kind:?} {gap} {off} {period}: {moved}");
+            }
+        }
+    }
+}
+
+/// Without friction at the hand the force of the hand is that of the contact in every period.
+#[test]
+fn a_hand_beside_the_middle_pushes_evenly() {
+    let mut scenario = beside(scenario(TOUCH, &[], 0.005, 0.6), 0.02);
+    scenario.system.world.obstacles[0].friction_coefficient = 0.0;
+    let holding = Holding::new(|time| TOUCH + 0.1 * time, 200.0, f64::INFINITY);
+    let (trace, outcome) = run(&scenario, &at_step(BackendKind::QuasiStatic, &scenario), holding);
+    assert_eq!(outcome.failed_at, None);
+    for row in trace.rows.iter().filter(|row| row.time > 0.3) {
+        let force = holding.at(row.time).force(&row.steered[0].pose.position);
+        let contact: f64 = row.contacts.iter().map(|contact| contact.force.x).sum();
+        let is_slip = force > 0.9 * RESISTANCE && force < RESISTANCE;
+        assert!((force - contact).abs() < 1e-6 && is_slip, "at {}: {force} {contact}", row.time);
+    }
+}
+
 /// v^2 / (2 a), with the deceleration a by ground and hand.
 #[test]
 fn a_hand_gives_way_to_a_box_that_slides_into_it() {
@@ -210,7 +250,7 @@ fn a_hand_that_is_none_ends_the_run() {
     let hand = Holding::new(steadily, 100.0, 5.0).at(0.5);
     let found = |scenario: &Scenario, hand: Hand| {
         let mut backend = cohaul::backend::build(&scenario.system, scenario.start, &options);
-        hand.advance(backend.as_mut(), &scenario.system.world, [0.0, 0.01], &[]).unwrap_err()
+        hand.advance(backend.as_mut(), &scenario.system.world, [0.0, 0.01], &[], false).unwrap_err()
     };
     assert_eq!(found(&still, Hand { obstacle: 1, ..hand }), HandError::NotThere(1));
     assert_eq!(found(&moving, hand), HandError::OtherMoves(1));

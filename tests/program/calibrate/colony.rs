@@ -89,7 +89,7 @@ fn measures_of_a_known_motion_are_known() {
     let forces = tip_forces(&recording, &Sensor::exact(like.system.springs.clone()));
     let seen = recorded(&recording, &forces).unwrap();
     assert_eq!((seen.n_frames, seen.n_filled, seen.rows.len()), (201, 200, 401));
-    let found = Measures::of(&seen.rows, seen.period, 1);
+    let found = Measures::of(&seen.rows, seen.period, None, 1);
     let near = |value: f64, truth: f64, tolerance: f64| assert!((value - truth).abs() < tolerance, "{value} {truth}");
     // Eq. (10): 0.664 N/m times 5 mm.
     near(found.pulls.mean(), 3.32e-3, 1e-12);

@@ -36,7 +36,7 @@ fn read_tips(input: &[u8]) -> Result<(), String> {
     finite("holds", &fit_holds(&exposures(&found), Some(0.1), 0.95));
     finite("steering", &fit_steering(&found, Vec2::new(1.0, 0.0), 1e-4, 0.95, &|_| {}));
     if let Some(seen) = recorded(&recording, &forces) {
-        finite("colony", &Measures::of(&seen.rows, seen.period, 1));
+        finite("colony", &Measures::of(&seen.rows, seen.period, None, 1));
     }
     if recording.is_in_world() { from_tips.map(drop) } else { Ok(()) }
 }

@@ -22,7 +22,7 @@ use cohaul_paper::calibrate::behaviour::{Asked, BehaviourReport, attachments};
 use cohaul_paper::calibrate::{Force, tip_forces};
 use cohaul_paper::colony::files::{SCENARIO, Shown, scenario_text, write_colony};
 use cohaul_paper::colony::report::Parts;
-use cohaul_paper::colony::{Colony, FittedKey, NotFitted, Plan, Recorded, colony_text, fitted_ants, recorded, tasks};
+use cohaul_paper::colony::{Colony, FittedKey, NotFitted, Plan, Recorded, colony_text, fitted_ants, nest_of, recorded, tasks};
 use cohaul_report::json;
 
 #[derive(Args)]
@@ -91,6 +91,7 @@ pub fn colony(args: &ColonyArgs) -> Result<ExitCode, CliError> {
     let found = Colony::new(Parts {
         scenario: &fitted.input.scenario.as_ref().expect("a scenario is given").name,
         n_ants: fitted.n_ants,
+        nest: nest_of(scenario),
         recorded,
         behaviour: fitted.behaviour,
         keys: fitted.keys,

@@ -1,11 +1,11 @@
 //! The paper's Figures 9, 11 and 12 for a recording, beside a run of the fitted ants.
 
-use super::measures::series;
+use super::measures::{nest_of, series};
 use super::recorded::Recorded;
 use super::report::{Colony, Speed};
 use crate::paper::figure::{bar, whisker};
 use crate::paper::figure_run::{over_time, path, snapshots};
-use crate::paper::{Changes, Shown, Snapshot, shown_springs};
+use crate::paper::{Changes, Series, Shown, Snapshot, shown_springs};
 use cohaul::math::{Interval, Vec2};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::Row;
@@ -61,7 +61,7 @@ pub fn figures(found: &Colony, recorded: &Recorded, run: &[Row], period: f64, fi
             name: "series",
             caption: "Load speed, turn rate and interaction forces over time (the paper's Fig. 11): recording on the left, one run of the \
                       fitted ants on the right",
-            drawn: over_times(recorded, run, period, found.first_seed),
+            drawn: over_times(recorded, run, period, (nest_of(fitted), found.first_seed)),
             n_columns: 2,
             size: [COLUMN_WIDTH, ROW_HEIGHT],
         },
@@ -104,10 +104,10 @@ fn group_size(found: &Colony) -> Drawn {
     (vec![speed, share], vec![Entry::line("recording", RECORDED), Entry::line("fitted ants", FITTED)])
 }
 
-fn over_times(recorded: &Recorded, run: &[Row], period: f64, seed: u64) -> Drawn {
+fn over_times(recorded: &Recorded, run: &[Row], period: f64, (nest, seed): (Option<Vec2>, u64)) -> Drawn {
     let of = |rows: &[Row], period: f64, name: &str| {
-        let series = series(rows, period);
-        let mut panels = over_time(&series, &Changes::of(&series, seed), series.span());
+        let gathered = Series::once_gathered(rows, period, nest);
+        let mut panels = over_time(&series(rows, period), &Changes::of(&gathered, seed), gathered.span());
         panels.iter_mut().for_each(|panel| panel.x_label = format!("{name}: time (s)"));
         panels
     };
@@ -156,13 +156,12 @@ fn shown(found: &Colony, recorded: &Recorded, fitted: &Scenario) -> Shown {
         Drive::Ants(ants) => (ants.nest_position, ants.arrival_radius),
         _ => (Vec2::zeros(), 0.0),
     };
-    let series = series(rows, recorded.period);
     Shown {
         trial: None,
         seed: found.first_seed,
         changes: found.changes,
-        window_s: series.span(),
-        series,
+        window_s: Series::once_gathered(rows, recorded.period, nest_of(fitted)).span(),
+        series: series(rows, recorded.period),
         path: rows.iter().map(|row| row.motion.pose.position).collect(),
         snapshots: SHARES.map(snapshot).to_vec(),
         load_radius: fitted.system.load.radius,

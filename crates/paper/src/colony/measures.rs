@@ -7,8 +7,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::paper::{Changes, Series, WINDOW_S};
-use cohaul::math::Summary;
+use cohaul::math::{Summary, Vec2};
 use cohaul::model::paper::MEASURED_LIMIT_N;
+use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::Row;
 
 /// Numbers of a recording, or of a run that is seen in the same frames.
@@ -30,14 +31,15 @@ pub struct Measures {
     pub turn_rate: Summary,
     /// Sum of the sizes of all interaction forces (Eq. 4) in windows (N).
     pub interaction: Summary,
-    /// Where the three series change their mean.
+    /// Where the three series change their mean, once the team has gathered and before it is near
+    /// the nest.
     pub changes: Changes,
 }
 
 impl Measures {
-    /// Measures of frames at equal times, `period` apart (s). `seed` is that of the tests for
-    /// changes.
-    pub fn of(rows: &[Row], period: f64, seed: u64) -> Self {
+    /// Measures of frames at equal times, `period` apart (s), with the `nest` of the scenario (m).
+    /// `seed` is that of the tests for changes.
+    pub fn of(rows: &[Row], period: f64, nest: Option<Vec2>, seed: u64) -> Self {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Self::default() };
         let pulls = || rows.iter().flat_map(|row| row.tips.iter().map(|tip| tip.pull.norm()));
         let series = series(rows, period);
@@ -50,7 +52,7 @@ impl Measures {
             speed_by_size: by_size(rows, period),
             turn_rate: Summary::of(series.turn_rate.iter().copied()),
             interaction: Summary::of(series.interaction.iter().copied()),
-            changes: Changes::of(&series, seed),
+            changes: Changes::of(&Series::once_gathered(rows, period, nest), seed),
         }
     }
 
@@ -66,6 +68,11 @@ impl Measures {
     pub fn speed_of_size(&self, size: usize) -> Option<f64> {
         self.speed_by_size.get(size).filter(|speeds| speeds.n() > 0).map(Summary::mean)
     }
+}
+
+/// Where the ants of a scenario haul to (m); `None` without ants.
+pub fn nest_of(scenario: &Scenario) -> Option<Vec2> {
+    if let Drive::Ants(ants) = &scenario.drive { Some(ants.nest_position) } else { None }
 }
 
 /// The three series from the first frame with an attached tip on.

@@ -22,7 +22,7 @@ mod suite;
 mod text;
 
 pub use ants::{FittedKey, NotFitted, fitted_ants};
-pub use measures::Measures;
+pub use measures::{Measures, nest_of};
 pub use recorded::{Recorded, recorded};
 pub use report::Colony;
 pub use suite::{Plan, RunRecord, tasks};

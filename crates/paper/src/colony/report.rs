@@ -10,7 +10,7 @@ use crate::calibrate::behaviour::BehaviourReport;
 use crate::paper::Changes;
 use cohaul::backend::{BackendKind, Status};
 use cohaul::formats::{self, Format, Versioned};
-use cohaul::math::{Interval, Summary, student};
+use cohaul::math::{Interval, Summary, Vec2, student};
 use cohaul::model::paper as printed;
 use cohaul_report::quantity::{quantity, short};
 
@@ -144,6 +144,8 @@ pub struct Parts<'a> {
     pub scenario: &'a str,
     /// Number of ants of the scenario (1).
     pub n_ants: usize,
+    /// (m)
+    pub nest: Option<Vec2>,
     pub recorded: &'a Recorded,
     pub behaviour: BehaviourReport,
     pub keys: Vec<FittedKey>,
@@ -155,7 +157,7 @@ pub struct Parts<'a> {
 impl Colony {
     pub fn new(parts: Parts) -> Self {
         let Parts { recorded, behaviour, plan, runs, .. } = parts;
-        let measures = Measures::of(&recorded.rows, recorded.period, plan.first_seed);
+        let measures = Measures::of(&recorded.rows, recorded.period, parts.nest, plan.first_seed);
         let of_backends = plan.of_backends(runs);
         let first: Vec<&Measures> = of_backends.iter().take(1).flat_map(|(_, runs)| runs.iter().map(|run| &run.measures)).collect();
         let most_held = recorded.rows.iter().map(|row| row.tips.len()).max().unwrap_or(0);

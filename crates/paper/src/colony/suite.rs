@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::measures::Measures;
+use super::measures::{Measures, nest_of};
 use cohaul::backend::{BackendKind, BackendOptions, Status};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Row, Simulation};
@@ -80,7 +80,7 @@ pub fn tasks<'a>(plan: &'a Plan, fitted: &'a Scenario) -> Tasks<'a, RunRecord> {
     let run = move |task: usize, go_on: &(dyn Fn() -> bool + Sync)| {
         let (kind, seed) = runs[task];
         let (rows, status, arrived) = plan.frames(fitted, kind, seed, go_on)?;
-        Some(RunRecord { status, arrived, measures: Measures::of(&rows, plan.seen_period(fitted), seed) })
+        Some(RunRecord { status, arrived, measures: Measures::of(&rows, plan.seen_period(fitted), nest_of(fitted), seed) })
     };
     Tasks { costs, run: Box::new(run) }
 }

@@ -6,9 +6,9 @@ use super::change::{Change, change_of_mean};
 use super::force::{ForceAt, inertial_forces};
 use super::phase::{PhaseChange, phase_change};
 use super::trial::{Case, Trial};
-use super::window::window;
+use super::window::{gathered, window};
 use cohaul::backend::{BackendOptions, Status};
-use cohaul::math::Summary;
+use cohaul::math::{Summary, Vec2};
 use cohaul::model::interaction_force;
 use cohaul::model::paper::MEASURED_LIMIT_N;
 use cohaul::scenario::{Drive, Scenario};
@@ -167,6 +167,12 @@ pub fn series_in_window(trace: &Trace, scenario: &Scenario) -> Series {
 }
 
 impl Series {
+    /// Those of rows at equal times, `period` apart (s), once the team has gathered.
+    pub fn once_gathered(rows: &[Row], period: f64, nest: Option<Vec2>) -> Self {
+        let ticks = (WINDOW_S / period).round().clamp(1.0, 1e9) as usize;
+        Self::of_rows(window(rows, gathered(rows), nest), period, ticks)
+    }
+
     /// The series of rows at equal times, `period` apart (s), from the first one on. Motion is the
     /// sum of the displacements over `step` rows each: over single rows, noise of recorded poses
     /// would count as motion. A window holds a whole number of steps.

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::facts::{Changes, Series, WINDOW_S};
-use super::window::{gathered, window};
+use super::window::gathered;
 use cohaul::math::{Summary, Vec2};
 use cohaul::simulation::Row;
 use cohaul_report::quantity::{number, quantity};
@@ -54,8 +54,7 @@ impl Transport {
         }
         let n_pulling = |rows: &[Row]| rows[..ticks].iter().map(|row| row.tips.len()).sum::<usize>() as f64 / ticks as f64;
         let n_pulling: Vec<f64> = rows.windows(ticks + 1).step_by(ticks).map(n_pulling).collect();
-        let n_gathered = gathered(rows);
-        let in_window = Series::of_rows(window(rows, n_gathered, nest), period, ticks);
+        let in_window = Series::once_gathered(rows, period, nest);
         let mean = |values: &[f64]| Summary::of(values.iter().copied()).mean();
         let groups = n_pulling.iter().map(|n| n.round() as usize);
         let of_group = |size: usize| {
@@ -65,7 +64,7 @@ impl Transport {
         };
         let most = groups.clone().max().unwrap_or(0);
         Some(Self {
-            n_gathered,
+            n_gathered: gathered(rows),
             window_s: in_window.span(),
             load_speed_m_per_s: mean(&in_window.speed),
             turn_rate_rad_per_s: mean(&in_window.turn_rate),
