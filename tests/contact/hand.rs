@@ -182,8 +182,8 @@ fn a_hand_that_is_weaker_than_friction_moves_nothing() {
                 let holding = Holding::new(|time| TOUCH + 0.5 * time, 1e3, 0.85 * RESISTANCE);
                 let (trace, outcome) = run(&scenario, &at_step(kind, &scenario), holding);
                 let moved = trace.rows.last().unwrap().motion.pose.edge_displacement(&scenario.start.pose, 0.112);
-                // With inertia the hand gives the load the impulse of the period in which it touches,
-                // which friction stops less the force that goes on. The load turns as well.
+                // With inertia the hand gives the load the impulse of the period in which it
+                // touches. Friction less the force that goes on stops it. The load turns as well.
                 let kicked = 2.0 * (0.85 * RESISTANCE * period).powi(2) / (2.0 * MASS * 0.15 * RESISTANCE);
                 let allowed = match kind {
                     BackendKind::Inertial if gap > 0.0 => kicked,
