@@ -123,7 +123,7 @@ pub fn push(obstacle: usize, value: &Bound<PyAny>, path: &str) -> PyResult<Push>
     if !value.hasattr("target_m")? {
         return Ok(Push::To(ObstaclePose { obstacle, pose: pose(value, path)? }));
     }
-    let pair = |name: &str| Ok::<Vec2, PyErr>(value.getattr(name)?.extract::<(f64, f64)>().map(|(x, y)| Vec2::new(x, y))?);
+    let pair = |name: &str| value.getattr(name)?.extract::<(f64, f64)>().map(|(x, y)| Vec2::new(x, y));
     let number = |name: &str| value.getattr(name)?.extract::<f64>();
     let (target, axis) = (pair("target_m")?, pair("axis")?);
     let [stiffness, force_limit] = [number("stiffness_n_per_m")?, number("force_limit_n")?];
