@@ -114,7 +114,7 @@ impl Transport {
         };
         let changes = Table::new("", ["change of", "at", "mean before and after", "p"]).with_rows(Changes::OF_SERIES.map(change));
         let phase = self.changes.phase.map_or_else(String::new, |at| {
-            let found = if at.change.is_significant() { "change" } else { "no change beyond chance; the likeliest is" };
+            let found = if at.change.is_significant() { "change" } else { "no change beyond chance, likeliest" };
             format!("all three at once: {found} at {}, p = {}\n", quantity(at.time_s, "s"), number(at.change.p_value))
         });
         format!("{}\n\n{}\n{}{phase}", means.join("\n"), groups.text(), changes.text())
