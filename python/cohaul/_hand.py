@@ -21,8 +21,8 @@ class Hand:
     A controller gives it to ``view.steer``, and a loop of its own to ``advance``, in place of a pose.
     The hand has no mass. In each period it goes along the axis to where the force of the spring is
     the force that the load withstands at the end, and with inertia the mean force; a load that stands
-    lets it stand. What touches nothing is at its target. Across the axis and in
-    its heading it is stiff. There is one hand at an instant, and no other obstacle moves meanwhile.
+    lets it stand. What touches nothing is at its target. Across the axis and in its heading it is
+    stiff. There is one hand at an instant, and no other obstacle moves meanwhile.
 
     >>> import cohaul
     >>> sim = cohaul.Simulation("scenarios/contact/pusher.json", "quasi-static")
@@ -80,9 +80,11 @@ def _number(name: str, value: Any) -> float:
 
 
 def _pair(name: str, value: Any) -> tuple[float, float]:
-    if isinstance(value, (str, bytes, Mapping, Set)) or not hasattr(value, "__iter__") or len(list(value)) != 2:
+    is_list = hasattr(value, "__iter__") and not isinstance(value, (str, bytes, Mapping, Set))
+    entries = list(value) if is_list else []
+    if len(entries) != 2:
         raise TypeError(f"{name}: must be two numbers, found {value!r}")
-    x, y = (_number(name, number) for number in value)
+    x, y = (_number(name, entry) for entry in entries)
     if not (math.isfinite(x) and math.isfinite(y)):
         raise ValueError(f"{name}: must be finite, found {value!r}")
     return x, y

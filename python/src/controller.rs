@@ -165,27 +165,10 @@ impl Instance {
         self.steered.clear();
         self.steered.extend(seen.pushes.poses.iter().map(|target| (seen.seen.obstacles[target.obstacle], *target)));
         self.hand = seen.pushes.hand;
-        alone(self.hand.as_ref(), view, &seen.pushes.poses, seen.until_s)?;
         self.times = [seen.time_s, seen.until_s];
         self.is_finished = self.is_finished.or(seen.is_finished.then_some(true));
         Ok(())
     }
-}
-
-/// # Errors
-/// When another obstacle moves until then (s), on its path or to one of `poses`.
-fn alone(hand: Option<&Hand>, view: &simulation::View, poses: &[ObstaclePose], until: f64) -> PyResult<()> {
-    let Some(hand) = hand else { return Ok(()) };
-    let steered = view.backend.steered();
-    for (at, obstacle) in view.scenario.system.world.obstacles.iter().enumerate().filter(|(at, _)| *at != hand.obstacle) {
-        let now = view.obstacle(at).expect("it is there");
-        let sent = poses.iter().find(|sent| sent.obstacle == at).map(|sent| sent.pose);
-        let on_path = || if steered.iter().any(|other| other.obstacle == at) { now } else { obstacle.path.pose_at(until) };
-        if sent.unwrap_or_else(on_path) != now {
-            return Err(PyValueError::new_err(HandError::OtherMoves(at).to_string()));
-        }
-    }
-    Ok(())
 }
 
 impl Instance {
@@ -229,6 +212,10 @@ impl Controller for Instance {
 
     fn hand(&mut self, _view: &simulation::View, _until: f64) -> Option<Hand> {
         self.hand
+    }
+
+    fn cannot_push(&mut self, error: HandError) {
+        self.written.keep(PyValueError::new_err(error.to_string()));
     }
 
     fn arrived(&self, _motion: &Motion) -> Option<bool> {

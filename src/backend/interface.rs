@@ -110,6 +110,11 @@ pub trait Backend: Send {
         Vec::new()
     }
 
+    /// Force of all contacts with an obstacle on the load in the last step (N, world).
+    fn contact_force(&self, obstacle: usize) -> Vec2 {
+        self.side_contacts().iter().filter(|contact| contact.obstacle == obstacle).map(|contact| contact.force).sum()
+    }
+
     /// Writes position and pull into `tips`: all attached tips in the order of their springs.
     fn read_tips(&self, tips: &mut [AttachedTip]) {
         for tip in tips {

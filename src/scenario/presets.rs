@@ -134,8 +134,8 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
 }
 
 /// Ants with all printed values. What the paper does not print is, to three digits, the accepted
-/// set of the smallest distance among 6,016 sets with pulls from 0.02 m/s on. It is kept since, so
-/// that results can be compared; `results/2026-11-30-parameter-search` ranks others beside it.
+/// set of the smallest distance in `results/2026-11-25-parameter-search/accepted.csv`. Its pulls go
+/// from 0.02 m/s on; `results/2026-11-30-parameter-search` ranks others beside it.
 fn as_printed(n_ants: usize) -> AntDrive {
     AntDrive {
         n_ants,

@@ -13,9 +13,8 @@
 //! Without inertia a mean over the step would count what the spring does before the hand touches.
 //! With inertia it contains the impact, which a force at an instant does not.
 //!
-//! The force that a load withstands grows with s, so that a bracket finds the root. Each trial
-//! advances a saved state of the backend, whichever it is. A load that stands withstands every
-//! force up to its limit, and the hand stands before it.
+//! The force that a load withstands grows with s: a bracket finds the root, by trials from a saved
+//! state. A load that stands withstands any force up to its limit, and the hand stands before it.
 
 use crate::backend::{Backend, RestoreError, SavedState, Status, StepReport};
 use crate::math::{Pose, Vec2};
@@ -81,8 +80,8 @@ struct Step<'a> {
     start: Pose,
     /// To the target (m).
     ahead: f64,
-    /// Smallest way that is tried (m).
-    least: f64,
+    /// Radius of the load's outline (m).
+    radius: f64,
     /// State at the start of the step, and the displacement (m) and report of the last trial.
     saved: SavedState,
     last: Option<(f64, StepReport)>,
@@ -98,6 +97,7 @@ impl Hand {
         if obstacle >= n_obstacles {
             return Err(HandError::NotThere(obstacle));
         }
+        // A force is wrong by as much of itself.
         let is_unit = (axis.norm() - 1.0).abs() <= 1e-9;
         let is_one = target.norm().is_finite() && is_unit && stiffness > 0.0 && stiffness.is_finite() && force_limit >= 0.0;
         if is_one { Ok(()) } else { Err(HandError::Numbers(*self)) }
@@ -132,8 +132,8 @@ impl Hand {
         let start = pose_at(backend, world, self.obstacle, times[0]);
         let ahead = (self.target - start.position).dot(&self.axis);
         let (saved, last) = (backend.save().map_err(|_| HandError::Backend)?, None);
-        let least = TRIED * world.outline.extent();
-        Step { hand: self, backend, world, times, targets, has_inertia, start, ahead, least, saved, last }.advance()
+        let radius = world.outline.extent();
+        Step { hand: self, backend, world, times, targets, has_inertia, start, ahead, radius, saved, last }.advance()
     }
 }
 
@@ -164,21 +164,14 @@ impl Step<'_> {
         if let Some(other) = moves {
             return Err(HandError::OtherMoves(other + usize::from(other >= hand.obstacle)));
         }
-        let gives_way = report.status != Status::Failed && self.depth(&end) <= DEEPEST * self.least / TRIED;
+        let gives_way = report.status != Status::Failed && self.depth(&end) <= DEEPEST * self.radius;
         let withstood = match (gives_way, self.has_inertia) {
             (false, _) => f64::INFINITY.copysign(way),
             (true, true) => (self.backend.energy().obstacle_work - work) / way,
-            (true, false) => self.force_on_load(),
+            (true, false) => self.backend.contact_force(hand.obstacle).dot(&hand.axis),
         };
         self.last = Some((way, report));
         Ok(hand.force_ahead(ahead - way) - if way == 0.0 { 0.0 } else { withstood })
-    }
-
-    /// Force of the hand on the load along the axis at the end of the step (N).
-    fn force_on_load(&self) -> f64 {
-        let contacts = self.backend.side_contacts();
-        let own = contacts.iter().filter(|contact| contact.obstacle == self.hand.obstacle);
-        own.map(|contact| contact.force.dot(&self.hand.axis)).sum()
     }
 
     /// Depth by which the load lies inside a hand at this pose (m).
@@ -189,7 +182,7 @@ impl Step<'_> {
 
     /// The way that the hand moves (m). `excess` falls with the way.
     fn way(&mut self) -> Result<f64, HandError> {
-        let (least, ahead) = (self.least, self.ahead);
+        let (least, ahead) = (TRIED * self.radius, self.ahead);
         let touches = self.backend.side_contacts().iter().any(|contact| contact.obstacle == self.hand.obstacle);
         if !touches && (ahead == 0.0 || self.excess(ahead)? == 0.0) {
             return Ok(ahead);
@@ -225,19 +218,17 @@ impl Step<'_> {
     /// Where between two ends the excess is zero, or behind which it is below: regula falsi after
     /// Illinois, and bisection where a trial has no finite force.
     fn root(&mut self, [mut low, mut high]: [(f64, f64); 2]) -> Result<f64, HandError> {
-        let within = RESOLVED / TRIED * self.least;
         if low.1 == 0.0 || high.1 == 0.0 {
             return Ok(if low.1 == 0.0 { low.0 } else { high.0 });
         }
         let (mut weights, mut last) = ([1.0, 1.0], 0.0);
         for _ in 0..MOST_TRIALS {
-            if high.0 - low.0 <= within {
+            if high.0 - low.0 <= RESOLVED * self.radius {
                 break;
             }
             let [below, above] = [weights[0] * low.1, weights[1] * high.1];
             let secant = (low.0 * above - high.0 * below) / (above - below);
-            let is_inside = secant > low.0 && secant < high.0;
-            let way = if is_inside { secant } else { 0.5 * (low.0 + high.0) };
+            let way = if secant > low.0 && secant < high.0 { secant } else { 0.5 * (low.0 + high.0) };
             let value = self.excess(way)?;
             if value == 0.0 {
                 return Ok(way);
@@ -257,7 +248,7 @@ impl Step<'_> {
 }
 
 /// Pose of an obstacle at a time (m, rad, world).
-fn pose_at(backend: &dyn Backend, world: &World, obstacle: usize, time: f64) -> Pose {
+pub(super) fn pose_at(backend: &dyn Backend, world: &World, obstacle: usize, time: f64) -> Pose {
     let steered = backend.steered().into_iter().find(|other| other.obstacle == obstacle);
     steered.map_or_else(|| world.obstacles[obstacle].path.pose_at(time), |steered| steered.pose)
 }

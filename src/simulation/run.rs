@@ -4,7 +4,6 @@ use super::account::Account;
 use super::checkpoints::Checkpoints;
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
-use super::hand::HandError;
 use super::repeats::Repeats;
 use super::resolution::Resolution;
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
@@ -200,12 +199,15 @@ impl<'a> Simulation<'a> {
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let hand = if world.is_empty() { None } else { self.controller.hand(&view, until) };
         let targets = self.controller.targets(&view, until);
-        let failed = |_| StepReport { status: Status::Failed, ..StepReport::default() };
+        let failed = StepReport { status: Status::Failed, ..StepReport::default() };
         let (backend, has_inertia) = (self.backend.as_mut(), self.options.kind.has_inertia());
         let report = match hand {
             None if is_steered => backend.advance(targets, until - time),
-            Some(hand) if is_steered => hand.advance(backend, world, [time, until], targets, has_inertia).unwrap_or_else(failed),
-            _ => failed(HandError::Backend),
+            Some(hand) if is_steered => hand.advance(backend, world, [time, until], targets, has_inertia).unwrap_or_else(|error| {
+                self.controller.cannot_push(error);
+                failed
+            }),
+            _ => failed,
         };
         self.totals.doubtful.note(&report, time);
         self.totals.steps.add(&report);

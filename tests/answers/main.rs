@@ -4,6 +4,7 @@ mod attribution;
 mod causes;
 mod finite;
 mod oracle;
+mod presets;
 mod quantities;
 #[path = "../common/random_scenes.rs"]
 mod random_scenes;

@@ -7,7 +7,7 @@ use crate::math::{Pose, Summary, Vec2};
 use crate::model::ObstaclePose;
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
-use crate::simulation::hand::Hand;
+use crate::simulation::hand::{Hand, HandError, pose_at};
 use crate::simulation::trace::Event;
 
 /// Moves the tips of springs (grasps, releases and paths), and obstacles that push.
@@ -76,6 +76,9 @@ pub trait Controller {
     fn hand(&mut self, _view: &View, _until: f64) -> Option<Hand> {
         None
     }
+
+    /// Takes note of why the hand could not push.
+    fn cannot_push(&mut self, _error: HandError) {}
 
     /// First instant after `time`, besides control ticks, at which something happens or a tip
     /// changes its velocity (s).
@@ -154,9 +157,8 @@ pub struct View<'a> {
 impl View<'_> {
     /// Pose of an obstacle at this instant (m, rad, world); `None` if there is no such obstacle.
     pub fn obstacle(&self, obstacle: usize) -> Option<Pose> {
-        let steered = self.backend.steered().into_iter().find(|other| other.obstacle == obstacle);
-        let on_path = || Some(self.scenario.system.world.obstacles.get(obstacle)?.path.pose_at(self.time));
-        steered.map_or_else(on_path, |steered| Some(steered.pose))
+        let world = &self.scenario.system.world;
+        (obstacle < world.obstacles.len()).then(|| pose_at(self.backend, world, obstacle, self.time))
     }
 
     /// Closed contacts of the load with obstacles, with their forces in the last step.
@@ -166,7 +168,7 @@ impl View<'_> {
 
     /// Force of all contacts with an obstacle on the load in the last step (N, world).
     pub fn contact_force(&self, obstacle: usize) -> Vec2 {
-        self.contacts().iter().filter(|contact| contact.obstacle == obstacle).map(|contact| contact.force).sum()
+        self.backend.contact_force(obstacle)
     }
 
     /// Friction force of the ground on each support (N, world), averaged over the last step; empty

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::paper::{Changes, Series, WINDOW_S};
+use crate::paper::{Changes, Series, WINDOW_S, ticks_in};
 use cohaul::math::{Summary, Vec2};
 use cohaul::model::paper::MEASURED_LIMIT_N;
 use cohaul::scenario::{Drive, Scenario};
@@ -78,18 +78,12 @@ pub fn nest_of(scenario: &Scenario) -> Option<Vec2> {
 /// The three series from the first frame with an attached tip on.
 pub fn series(rows: &[Row], period: f64) -> Series {
     let first = rows.iter().position(|row| !row.tips.is_empty()).unwrap_or(rows.len());
-    Series::of_rows(&rows[first..], period, ticks(period))
-}
-
-/// Frames in a window (1).
-fn ticks(period: f64) -> usize {
-    // Whatever the period, a number of rows that can be counted.
-    (WINDOW_S / period).round().clamp(1.0, 1e9) as usize
+    Series::of_rows(&rows[first..], period, ticks_in(WINDOW_S, period))
 }
 
 fn by_size(rows: &[Row], period: f64) -> Vec<Summary> {
     let mut found: Vec<Summary> = Vec::new();
-    let ticks = ticks(period);
+    let ticks = ticks_in(WINDOW_S, period);
     for rows in rows.windows(ticks + 1).step_by(ticks) {
         let n_pulling: usize = rows[..ticks].iter().map(|row| row.tips.len()).sum();
         let size = (n_pulling as f64 / ticks as f64).round() as usize;

@@ -129,7 +129,7 @@ pub(super) fn run_scenario(trial: Trial, scenario: &Scenario, options: &BackendO
         pulls_by_time: Summary::of(pulls()),
         n_pulls_above: pulls().filter(|pull| *pull > MEASURED_LIMIT_N).count() as u64,
         by_size: by_size(&trace, trial.n_ants(), 1),
-        by_window: WINDOWS.map(|window| by_size(&trace, trial.n_ants(), ticks_in(window, scenario))),
+        by_window: WINDOWS.map(|window| by_size(&trace, trial.n_ants(), ticks_in(window, scenario.control_period))),
         changes: Changes::of(&series_in_window(&trace, scenario), scenario.seed),
         inertial_force: if options.kind.has_inertia() { inertial_forces(&trace, scenario.system.load.mass) } else { Vec::new() },
     })
@@ -149,10 +149,6 @@ fn by_size(trace: &Trace, n_ants: usize, ticks: usize) -> Vec<OfSize> {
     found
 }
 
-fn ticks_in(duration: f64, scenario: &Scenario) -> usize {
-    (duration / scenario.control_period).round().max(1.0) as usize
-}
-
 /// The three series of a run from its first grasp to its end; empty without a grasp.
 pub fn series_of(trace: &Trace, scenario: &Scenario) -> Series {
     let first = trace.rows.partition_point(|row| row.tips.is_empty());
@@ -166,19 +162,22 @@ pub fn series_in_window(trace: &Trace, scenario: &Scenario) -> Series {
     Series::of_rows(window(&trace.rows, n_pulling, Some(ants.nest_position)), scenario.control_period, 1)
 }
 
+/// Number of periods in a duration (s): at least one, and one that rows can have (1).
+pub fn ticks_in(duration: f64, period: f64) -> usize {
+    (duration / period).round().clamp(1.0, 1e9) as usize
+}
+
 impl Series {
     /// Those of rows at equal times, `period` apart (s), once the team has gathered.
     pub fn once_gathered(rows: &[Row], period: f64, nest: Option<Vec2>) -> Self {
-        let ticks = (WINDOW_S / period).round().clamp(1.0, 1e9) as usize;
-        Self::of_rows(window(rows, gathered(rows), nest), period, ticks)
+        Self::of_rows(window(rows, gathered(rows), nest), period, ticks_in(WINDOW_S, period))
     }
 
     /// The series of rows at equal times, `period` apart (s), from the first one on. Motion is the
     /// sum of the displacements over `step` rows each: over single rows, noise of recorded poses
     /// would count as motion. A window holds a whole number of steps.
     pub fn of_rows(rows: &[Row], period: f64, step: usize) -> Self {
-        let ticks_in = |duration: f64| (duration / period).round().clamp(1.0, 1e9) as usize;
-        let (stride, ticks) = (ticks_in(LOOK_S), ticks_in(WINDOW_S));
+        let (stride, ticks) = (ticks_in(LOOK_S, period), ticks_in(WINDOW_S, period));
         let (start_s, window_s) = (rows.first().map_or(0.0, |row| row.time), ticks as f64 * period);
         let mut series = Series { start_s, window_s, ..Series::default() };
         for rows in rows.windows(ticks + 1).step_by(ticks) {

@@ -73,7 +73,7 @@ mod window;
 pub use change::Change;
 pub use claims::{Claim, Null, claims};
 pub use experiment::{Experiment, ForceRow, experiment, force_rows};
-pub use facts::{At, BLOCK, ChangeOf, Changes, OfSize, RunFacts, Series, WINDOW_S, WINDOWS, run, series_in_window, series_of};
+pub use facts::{At, BLOCK, ChangeOf, Changes, OfSize, RunFacts, Series, WINDOW_S, WINDOWS, run, series_in_window, series_of, ticks_in};
 pub use group_size::{Speeds, load_speeds};
 pub use hold::chance_to_move;
 pub use inertia::{Conclusion, Standing, conclusions};

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::facts::{Changes, Series, WINDOW_S};
+use super::facts::{Changes, Series, WINDOW_S, ticks_in};
 use super::window::gathered;
 use cohaul::math::{Summary, Vec2};
 use cohaul::simulation::Row;
@@ -47,7 +47,7 @@ impl Transport {
     /// the sum of all steps would count the noise of a camera. `None` where not even one window of
     /// half a second is there. `seed` is that of the random orders of the tests.
     pub fn of(rows: &[Row], period: f64, nest: Option<Vec2>, seed: u64) -> Option<Self> {
-        let ticks = (WINDOW_S / period).round().clamp(1.0, 1e9) as usize;
+        let ticks = ticks_in(WINDOW_S, period);
         let series = Series::of_rows(rows, period, ticks);
         if series.speed.is_empty() {
             return None;
