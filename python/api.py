@@ -1,14 +1,18 @@
-"""Writes the pages of the book on the Python package from its sources: `python python/api.py`.
+"""Writes what follows from other files: `python python/api.py`.
 
-Signatures and docstrings are read from the files and the stubs, without importing them.
+These are the types of the parts of a scenario, from the schema of the format, and the pages of the
+book on the Python package, from its sources. Signatures and docstrings are read from the files and
+the stubs, without importing them.
 """
 
 from __future__ import annotations
 
 import ast
+import json
 import re
 import textwrap
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "python/cohaul"
@@ -31,9 +35,75 @@ which keys they have by these types of the module `cohaul.results`, and tests ho
 answers. Keys end in their units."""
 
 
+SCENARIO = '''"""Types of the parts of a scenario, for type checkers, completion and documentation.
+
+All are dicts in the format of scenarios. `python python/api.py` writes this file from the schema of
+the format; the book's page on scenario keys has the rules and the defaults.
+
+>>> from cohaul.scenario import Obstacle
+>>> wall: Obstacle = {"name": "wall", "outline": {"polyline": {"points_m": [[0.1, -1.0], [0.1, 1.0]]}}}
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Literal, Sequence, Union
+
+if sys.version_info >= (3, 11):
+    from typing import NotRequired, TypedDict
+else:
+    from typing_extensions import NotRequired, TypedDict
+'''
+
+# Parts whose keys are keywords of functions, which give some of them themselves.
+KEYWORDS = ("Scenario", "Load", "Ground", "Spring", "Obstacle", "Ants")
+
+
 def main() -> None:
+    (PACKAGE / "scenario.py").write_text(scenario_types(), encoding="utf-8")
     for name, text in pages().items():
         (PAGES / name).write_text(text, encoding="utf-8")
+
+
+def scenario_types() -> str:
+    """Text of the module of the parts of a scenario."""
+    schema = json.loads((PAGES / "scenario.schema.json").read_text(encoding="utf-8"))
+    defined = {name.removesuffix("Entry"): part for name, part in [("Scenario", schema), *schema["$defs"].items()]}
+    dicts = {name: part for name, part in defined.items() if "properties" in part}
+    # Unions are no annotations: what they name stands before them.
+    unions = [f"{name} = {hint(part)}\n{documented(part)}" for name, part in defined.items() if name not in dicts]
+    return "\n\n".join([SCENARIO, *(typed_dict(name, part) for name, part in dicts.items())]) + "\n\n" + "\n".join(unions)
+
+
+def typed_dict(name: str, part: dict[str, Any]) -> str:
+    is_keywords = name in KEYWORDS
+    head = f"class {name}Keys" if name == "Scenario" else f"class {name}"
+    lines = [f"{head}(TypedDict{', total=False' if is_keywords else ''}):\n{documented(part, '    ')}"]
+    for key, value in part["properties"].items():
+        if key.isidentifier():
+            is_given = is_keywords or key in part.get("required", ())
+            lines.append(f"    {key}: {hint(value) if is_given else f'NotRequired[{hint(value)}]'}\n{documented(value, '    ')}")
+    return "\n".join(lines).replace("\n\n", "\n")
+
+
+def hint(part: dict[str, Any]) -> str:
+    """The type of a value of the schema."""
+    if "$ref" in part:
+        return str(part["$ref"]).rpartition("/")[2].removesuffix("Entry")
+    if "oneOf" in part:
+        words = [json.dumps(one["const"]) for one in part["oneOf"] if "const" in one]
+        members = [hint(one) for one in part["oneOf"] if "const" not in one]
+        return f"Literal[{', '.join(words)}]" if words and not members else f"Union[{', '.join(members)}]"
+    if "const" in part:
+        return f"Literal[{json.dumps(part['const'])}]"
+    if part["type"] == "array":
+        return f"Sequence[{hint(part['items'])}]"
+    return {"string": "str", "number": "float", "integer": "int", "boolean": "bool"}[part["type"]]
+
+
+def documented(part: dict[str, Any], indent: str = "") -> str:
+    text = part.get("description", "").replace("`", "``")
+    return textwrap.fill(f'"""{text}"""', WIDTH, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False) + "\n"
 
 
 def pages() -> dict[str, str]:

@@ -29,7 +29,7 @@ from ._import import Import, import_scenario
 from ._maps import Map, Threshold, compare_map, threshold
 from ._measured import Measured, measured
 from ._native import View, __version__
-from ._parts import ants, ground, load, path, spring, tips
+from ._parts import ants, ground, load, obstacle, path, spring, tips
 from ._rollouts import Rollouts, rollouts
 from ._run import Controller, Event, Run, Tips, Trace, run
 from ._scenario import SCENES, Scenario, Source
@@ -74,6 +74,7 @@ __all__ = [
     "import_scenario",
     "load",
     "measured",
+    "obstacle",
     "path",
     "rollouts",
     "run",

@@ -182,10 +182,11 @@ class _Call:
             raise ValueError(f"rollouts: must have at most {MOST_NUMBERS} numbers, found {n_numbers}")
 
         def full(path: str, *shape: int) -> FloatArray:
-            return np.array(np.broadcast_to(given[path][0], (self.n, *shape)))
+            return np.ascontiguousarray(np.broadcast_to(given[path][0], (self.n, *shape)))
 
         self.states = full("states", start.size)
         if poses is not None:
+            self.states = self.states.copy()
             self.states[:, 1:4], self.states[:, 4:7] = full("poses", 3), 0.0
         held = self.states[:, 7 : 7 + 3 * n_springs].reshape(self.n, 1, n_springs, 3)[..., 1:]
         shape = (self.n_periods, n_springs, 2)

@@ -5,11 +5,18 @@ from __future__ import annotations
 import difflib
 import json
 import os
+import sys
 from typing import Any, Literal, Mapping, Union
 
 from . import _native
 from ._errors import ScenarioError
 from ._options import as_json, plain, whole
+from .scenario import ScenarioKeys
+
+if sys.version_info >= (3, 11):
+    from typing import Unpack
+else:
+    from typing_extensions import Unpack
 
 Source = Union["Scenario", Mapping[str, Any], str, "os.PathLike[str]"]
 
@@ -23,7 +30,7 @@ class Scenario:
 
     ``source`` is a dict in the scenario format, the path of a JSON file, or another scenario.
     Keywords are keys of the format and replace those of the source. See also :func:`load`,
-    :func:`ground`, :func:`spring`, :func:`tips` and :func:`ants`.
+    :func:`ground`, :func:`spring`, :func:`obstacle`, :func:`tips` and :func:`ants`.
 
     Raises :class:`ScenarioError` with every fault, or ``OSError`` if the file cannot be read.
 
@@ -38,7 +45,7 @@ class Scenario:
 
     __slots__ = ("_scene", "_written", "_file")
 
-    def __init__(self, source: Source | None = None, /, **keys: Any) -> None:
+    def __init__(self, source: Source | None = None, /, **keys: Unpack[ScenarioKeys]) -> None:
         if source is not None and not isinstance(source, (Scenario, Mapping, str, os.PathLike)):
             raise TypeError(f"source: must be a dict, a path or a Scenario, found {type(source).__name__}")
         self._file = "scenario"
@@ -139,7 +146,7 @@ class Scenario:
             json.dump(self.to_dict(expanded=expanded), file, indent=2)
             file.write("\n")
 
-    def replace(self, values: Mapping[str, Any] | None = None, /, **keys: Any) -> Scenario:
+    def replace(self, values: Mapping[str, Any] | None = None, /, **keys: Unpack[ScenarioKeys]) -> Scenario:
         """A scenario with other values at these paths, as ``{"springs[0].damping_ratio": 0.5}``.
 
         A path that the scenario as written does not have is set in the expanded one. Keywords are

@@ -129,6 +129,5 @@ pub fn array_of<'py>(py: Python<'py>, values: impl Iterator<Item = f64>, width: 
 
 /// The numbers of an array in memory, as its `tobytes` gives them.
 pub fn numbers(bytes: &[u8]) -> Vec<f64> {
-    let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().expect("eight bytes"));
-    bytes.chunks_exact(size_of::<f64>()).map(number).collect()
+    bytes.as_chunks().0.iter().copied().map(f64::from_ne_bytes).collect()
 }

@@ -16,7 +16,6 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::options::{Asked, read};
-use crate::points::numbers;
 use crate::scene::Scene;
 use crate::seen::{Pushes, force_of_each};
 use crate::state::{State, n_numbers};
@@ -34,16 +33,19 @@ struct Sizes {
     n_numbers: usize,
 }
 
+/// Bytes of a number in the memory of an array.
+type Bytes = [u8; size_of::<f64>()];
+
 /// What is commanded, in the order of memory.
-struct Commands {
+struct Commands<'a> {
     /// A state for each rollout.
-    states: Vec<f64>,
+    states: &'a [Bytes],
     /// x and y of each tip at the end of each control period of each rollout (m, world); NaN
     /// releases it.
-    tips: Vec<f64>,
+    tips: &'a [Bytes],
     /// Obstacles that are steered, and x, y and heading of each at the end of each control period.
     steered: Vec<usize>,
-    pushers: Vec<f64>,
+    pushers: &'a [Bytes],
     period: f64,
 }
 
@@ -62,7 +64,7 @@ struct Shown<T> {
 #[pyclass(frozen, module = "cohaul._native")]
 pub struct RolloutData {
     sizes: Sizes,
-    shown: Shown<Vec<f64>>,
+    shown: Shown<Arc<Vec<f64>>>,
 }
 
 impl<T> Shown<T> {
@@ -73,17 +75,17 @@ impl<T> Shown<T> {
 }
 
 impl Shown<Vec<f64>> {
-    /// With no number so far.
+    /// Zeros, whose memory is first touched by the threads that write into it.
     fn new(sizes: &Sizes) -> Self {
         let Sizes { n_rollouts, n_periods, n_springs, n_obstacles, n_numbers } = *sizes;
-        let nothing = |n: usize| vec![f64::NAN; n * n_rollouts];
+        let zeros = |n: usize| vec![0.0; n * n_rollouts];
         Self {
-            poses: nothing(3 * (n_periods + 1)),
-            twists: nothing(3 * (n_periods + 1)),
-            pulls: nothing(2 * n_periods * n_springs),
-            forces: nothing(2 * n_periods * n_obstacles),
-            statuses: nothing(n_periods),
-            last: nothing(n_numbers),
+            poses: zeros(3 * (n_periods + 1)),
+            twists: zeros(3 * (n_periods + 1)),
+            pulls: zeros(2 * n_periods * n_springs),
+            forces: zeros(2 * n_periods * n_obstacles),
+            statuses: zeros(n_periods),
+            last: zeros(n_numbers),
         }
     }
 
@@ -104,27 +106,26 @@ impl Shown<Vec<f64>> {
 
 impl Shown<&mut [f64]> {
     fn show_motion(&mut self, at: usize, pose: &Pose, twist: &Twist) {
-        self.poses[3 * at..3 * at + 3].copy_from_slice(&[pose.position.x, pose.position.y, pose.heading]);
-        self.twists[3 * at..3 * at + 3].copy_from_slice(&[twist.linear.x, twist.linear.y, twist.angular]);
+        self.poses.as_chunks_mut().0[at] = [pose.position.x, pose.position.y, pose.heading];
+        self.twists.as_chunks_mut().0[at] = [twist.linear.x, twist.linear.y, twist.angular];
     }
 
-    fn show_end(&mut self, period: usize, pulls: impl Iterator<Item = Vec2>, forces: Vec<Vec2>, status: Status) {
-        let n_periods = self.statuses.len();
-        write(self.pulls, n_periods, period, pulls);
-        write(self.forces, n_periods, period, forces.into_iter());
+    fn show_end(&mut self, period: usize, pulls: impl ExactSizeIterator<Item = Vec2>, forces: Vec<Vec2>, status: Status) {
+        write(self.pulls, period, pulls);
+        write(self.forces, period, forces.into_iter());
         self.statuses[period] = f64::from(status as u8);
     }
 }
 
-/// Writes the points of one of so many periods into a list of those of all.
-fn write(into: &mut [f64], n_periods: usize, period: usize, points: impl Iterator<Item = Vec2>) {
-    let width = into.len() / n_periods;
-    for (out, point) in into[period * width..].chunks_exact_mut(2).zip(points) {
-        out.copy_from_slice(&[point.x, point.y]);
+/// Writes the points of one period into a list of those of all, of which each has as many.
+fn write(into: &mut [f64], period: usize, points: impl ExactSizeIterator<Item = Vec2>) {
+    let from = period * points.len();
+    for (out, point) in into.as_chunks_mut().0[from..].iter_mut().zip(points) {
+        *out = [point.x, point.y];
     }
 }
 
-impl Commands {
+impl Commands<'_> {
     /// Runs one rollout.
     ///
     /// # Errors
@@ -137,34 +138,31 @@ impl Commands {
         shown: &mut Shown<&mut [f64]>,
     ) -> Result<(), String> {
         let Sizes { n_periods, n_springs, n_obstacles, n_numbers, .. } = *sizes;
-        let numbers = &self.states[which * n_numbers..(which + 1) * n_numbers];
-        let mut state = State::of_numbers(scenario, options, &format!("states[{which}]"), numbers)?;
+        let numbers: Vec<f64> = self.states[which * n_numbers..][..n_numbers].iter().copied().map(f64::from_ne_bytes).collect();
+        let mut state = State::of_numbers(scenario, options, &format!("states[{which}]"), &numbers)?;
         let motion = state.backend.motion();
         shown.show_motion(0, &motion.pose, &motion.twist);
         let mut pushes = Pushes::default();
         for period in 0..n_periods {
             let at = which * n_periods + period;
-            let tips = &self.tips[2 * n_springs * at..2 * n_springs * (at + 1)];
             state.targets.clear();
-            for (spring, tip) in tips.chunks_exact(2).enumerate() {
-                if tip[0].is_nan() && state.tips[spring].is_some() {
+            for (spring, tip) in self.tips[2 * n_springs * at..].as_chunks().0.iter().take(n_springs).enumerate() {
+                let [x, y] = tip.map(f64::from_ne_bytes);
+                if x.is_nan() && state.tips[spring].is_some() {
                     state.release(spring);
                 }
-                state.targets.push(Vec2::new(tip[0], tip[1]));
+                state.targets.push(Vec2::new(x, y));
             }
-            let poses = self.pushers[3 * self.steered.len() * at..].chunks_exact(3);
             pushes.poses.clear();
-            pushes.poses.extend(
-                self.steered
-                    .iter()
-                    .zip(poses)
-                    .map(|(obstacle, pose)| ObstaclePose { obstacle: *obstacle, pose: Pose::new(pose[0], pose[1], pose[2]) }),
-            );
-            let report = state.advance(scenario, &pushes, self.period).map_err(|error| error.to_string())?;
+            for (obstacle, pose) in self.steered.iter().zip(self.pushers[3 * self.steered.len() * at..].as_chunks().0) {
+                let [x, y, heading] = pose.map(f64::from_ne_bytes);
+                pushes.poses.push(ObstaclePose { obstacle: *obstacle, pose: Pose::new(x, y, heading) });
+            }
+            let status = state.advance(scenario, &pushes, self.period).map_err(|error| error.to_string())?;
             let motion = state.backend.motion();
             shown.show_motion(period + 1, &motion.pose, &motion.twist);
             let forces = if n_obstacles == 0 { Vec::new() } else { force_of_each(n_obstacles, &state.backend.side_contacts()) };
-            shown.show_end(period, (0..n_springs).map(|spring| state.backend.pull(spring)), forces, report.status);
+            shown.show_end(period, (0..n_springs).map(|spring| state.backend.pull(spring)), forces, status);
         }
         shown.last.copy_from_slice(&state.numbers(scenario));
         Ok(())
@@ -177,6 +175,7 @@ fn driven(scenario: &Scenario, options: &BackendOptions, sizes: &Sizes, seed: u6
     let scenario = Scenario { seed, duration, ..scenario.clone() };
     let mut run = Simulation::new(&scenario, options, Keep::Trace);
     run.run(|_time| true);
+    shown.map(|numbers| numbers.fill(f64::NAN));
     let (trace, outcome) = run.into_results();
     for row in &trace.rows {
         let at = ((row.time / scenario.control_period).round() as usize).min(sizes.n_periods);
@@ -209,7 +208,8 @@ pub fn rollouts(
 ) -> PyResult<RolloutData> {
     let (scenario, sizes) = (Arc::clone(&scene.scenario), sizes_of(&scene.scenario, sizes));
     let options = read::<Asked>(options)?.options(&scenario)?;
-    let commands = Commands { states: numbers(states), tips: numbers(tips), steered, pushers: numbers(pushers), period: period_s };
+    let [states, tips, pushers] = [states, tips, pushers].map(|bytes| bytes.as_chunks().0);
+    let commands = Commands { states, tips, steered, pushers, period: period_s };
     let n = sizes.n_rollouts * sizes.n_periods;
     let found = [commands.states.len(), commands.tips.len(), commands.pushers.len()];
     let expected = [sizes.n_rollouts * sizes.n_numbers, 2 * n * sizes.n_springs, 3 * n * commands.steered.len()];
@@ -265,15 +265,15 @@ fn all(
     })?;
     // Only an interrupt stops it, and that is an exception already.
     found.expect("the rollouts ended").map_err(PyValueError::new_err)?;
-    Ok(RolloutData { sizes, shown })
+    Ok(RolloutData { sizes, shown: shown.map(|numbers| Arc::new(std::mem::take(numbers))) })
 }
 
 /// Numbers of one kind.
-type Of = fn(&Shown<Vec<f64>>) -> &Vec<f64>;
+type Of = fn(&Shown<Arc<Vec<f64>>>) -> &Arc<Vec<f64>>;
 
 #[pymethods]
 impl RolloutData {
-    fn column(&self, py: Python, name: &str) -> PyResult<Column> {
+    fn column(&self, name: &str) -> PyResult<Column> {
         let Sizes { n_rollouts, n_periods, n_springs, n_obstacles, n_numbers } = self.sizes;
         let (of, shape): (Of, Vec<usize>) = match name {
             "poses" => (|shown| &shown.poses, vec![n_rollouts, n_periods + 1, 3]),
@@ -284,7 +284,7 @@ impl RolloutData {
             "states" => (|shown| &shown.last, vec![n_rollouts, n_numbers]),
             _ => return Err(PyKeyError::new_err(name.to_owned())),
         };
-        Ok(py.allow_threads(|| Column::of_numbers(of(&self.shown).clone(), &shape)))
+        Ok(Column::of_numbers(Arc::clone(of(&self.shown)), &shape))
     }
 }
 

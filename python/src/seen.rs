@@ -29,9 +29,7 @@ impl Seen {
         if system.world.is_empty() {
             return Self { obstacles: Vec::new(), contacts: Vec::new(), friction };
         }
-        let mut obstacles: Vec<Pose> = system.world.obstacles.iter().map(|obstacle| obstacle.path.pose_at(time)).collect();
-        backend.steered().iter().for_each(|steered| obstacles[steered.obstacle] = steered.pose);
-        Self { obstacles, contacts: backend.side_contacts(), friction }
+        Self { obstacles: obstacle_poses(system, backend, time), contacts: backend.side_contacts(), friction }
     }
 
     /// x, y (m, world) and heading (rad) of each obstacle.
@@ -52,6 +50,15 @@ impl Seen {
     pub fn friction_array<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         point_array(py, self.friction.iter().copied())
     }
+}
+
+/// Poses of all obstacles at `time` (s) (m, rad, world).
+pub fn obstacle_poses(system: &System, backend: &dyn Backend, time: f64) -> Vec<Pose> {
+    let mut poses: Vec<Pose> = system.world.obstacles.iter().map(|obstacle| obstacle.path.pose_at(time)).collect();
+    if !poses.is_empty() {
+        backend.steered().iter().for_each(|steered| poses[steered.obstacle] = steered.pose);
+    }
+    poses
 }
 
 /// Sum of the forces of each of `n` obstacles on the load (N, world).

@@ -8,7 +8,7 @@
 //! then    for each obstacle: 1 if it was steered, else 0; x, y (m, world) and heading (rad)
 //! ```
 
-use cohaul::backend::{Backend, BackendOptions, Motion, StepReport, build};
+use cohaul::backend::{Backend, BackendOptions, Motion, Status, StepReport, build};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::geometry::overlap_depth;
 use cohaul::model::{ObstaclePath, ObstaclePose};
@@ -16,7 +16,7 @@ use cohaul::scenario::Scenario;
 use cohaul::simulation::{Hand, HandError};
 
 use crate::points::LARGEST;
-use crate::seen::{Pushes, Seen};
+use crate::seen::{Pushes, Seen, obstacle_poses};
 
 /// Depth inside an obstacle over the load's radius up to which it is rounding (1).
 const ROUNDING: f64 = 1e-6;
@@ -73,52 +73,52 @@ impl State {
         Seen::of(&scenario.system, self.backend.as_ref(), self.time)
     }
 
-    /// Moves the tips to `targets`, these obstacles to their poses, and what a hand holds. It stops
-    /// at each instant at which an obstacle turns.
+    fn obstacle_poses(&self, scenario: &Scenario) -> Vec<Pose> {
+        obstacle_poses(&scenario.system, self.backend.as_ref(), self.time)
+    }
+
+    /// Moves the tips to `targets`, these obstacles to their poses, and what a hand holds, and adds
+    /// to the totals. It stops at each instant at which an obstacle turns.
     ///
     /// # Errors
     /// When the hand cannot push. The load may then be anywhere within the time.
-    pub fn advance(&mut self, scenario: &Scenario, pushes: &Pushes, duration: f64) -> Result<StepReport, HandError> {
+    pub fn advance(&mut self, scenario: &Scenario, pushes: &Pushes, duration: f64) -> Result<Status, HandError> {
         for ObstaclePose { obstacle, pose } in &pushes.poses {
             self.is_steered[*obstacle] |= self.backend.steer(*obstacle, &[(duration, *pose)]);
         }
-        pushes.hand.iter().for_each(|hand| self.is_steered[hand.obstacle] = true);
+        let hand = pushes.hand.as_ref();
+        hand.iter().for_each(|hand| self.is_steered[hand.obstacle] = true);
         let (from, to) = (self.time, self.time + duration);
-        let mut corner = scenario.system.world.next_corner(from);
-        let before = (corner < to).then(|| {
+        let (mut corner, mut status) = (scenario.system.world.next_corner(from), Status::Converged);
+        if corner < to {
             let start: Vec<Vec2> = self.tips.iter().map(|tip| tip.unwrap_or_default()).collect();
             let end = std::mem::take(&mut self.targets);
-            let mut report = StepReport::default();
             while corner < to {
                 let share = (corner - from) / duration;
                 self.targets.clear();
                 self.targets.extend(start.iter().zip(&end).map(|(start, end)| start + share * (end - start)));
-                report.add(&self.advance_to(scenario, pushes.hand.as_ref(), corner)?);
+                status = status.max(self.advance_to(scenario, hand, corner)?);
                 corner = scenario.system.world.next_corner(corner);
             }
             self.targets = end;
-            Ok::<StepReport, HandError>(report)
-        });
-        let before = before.transpose()?;
-        let mut report = self.advance_to(scenario, pushes.hand.as_ref(), to)?;
-        if let Some(before) = before {
-            report.add(&before);
         }
+        status = status.max(self.advance_to(scenario, hand, to)?);
         for (tip, target) in self.tips.iter_mut().zip(&self.targets) {
             if tip.is_some() {
                 *tip = Some(*target);
             }
         }
-        Ok(report)
+        Ok(status)
     }
 
-    fn advance_to(&mut self, scenario: &Scenario, hand: Option<&Hand>, to: f64) -> Result<StepReport, HandError> {
+    fn advance_to(&mut self, scenario: &Scenario, hand: Option<&Hand>, to: f64) -> Result<Status, HandError> {
         let report = match hand {
             Some(hand) => hand.advance(self.backend.as_mut(), &scenario.system.world, [self.time, to], &self.targets, self.has_inertia)?,
             None => self.backend.advance(&self.targets, to - self.time),
         };
         self.time = to;
-        Ok(report)
+        self.totals.add(&report);
+        Ok(report.status)
     }
 
     /// The state as numbers.
@@ -129,7 +129,7 @@ impl State {
             let place = tip.unwrap_or_default();
             numbers.extend([f64::from(u8::from(tip.is_some())), place.x, place.y]);
         }
-        for (is_steered, pose) in self.is_steered.iter().zip(self.seen(scenario).obstacles) {
+        for (is_steered, pose) in self.is_steered.iter().zip(self.obstacle_poses(scenario)) {
             numbers.extend([f64::from(u8::from(*is_steered)), pose.position.x, pose.position.y, pose.heading]);
         }
         numbers
@@ -180,7 +180,7 @@ impl State {
 
     fn check_outside(&self, scenario: &Scenario, pose: &Pose) -> Result<(), String> {
         let system = &scenario.system;
-        for (obstacle, at) in system.world.obstacles.iter().zip(self.seen(scenario).obstacles) {
+        for (obstacle, at) in system.world.obstacles.iter().zip(self.obstacle_poses(scenario)) {
             let depth = overlap_depth(&system.world.outline, pose, &obstacle.outline, &at).unwrap_or(0.0);
             if depth > ROUNDING * system.load.radius {
                 return Err(format!("must have the load outside of the obstacle {:?}, found it {depth:.3e} m inside", obstacle.name));

@@ -6,7 +6,6 @@ use std::time::Instant;
 use cohaul::backend::{BackendOptions, SavedState, Status, StepReport};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
-use cohaul::simulation::HandError;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -160,15 +159,13 @@ impl Stepper {
         let advance = || {
             self.with(|state| {
                 state.targets = targets;
-                let report = state.advance(&self.scenario, &pushes, duration_s)?;
-                state.totals.add(&report);
-                Ok::<StepReport, HandError>(report)
+                state.advance(&self.scenario, &pushes, duration_s)
             })
         };
-        let report =
+        let status =
             if self.lasts(duration_s) || before.is_some() { self.undone_by_interrupt(py, advance) } else { py.allow_threads(advance) }?;
-        match (report, before) {
-            (Ok(report), _) => Ok(name_of(report.status)),
+        match (status, before) {
+            (Ok(status), _) => Ok(name_of(status)),
             (Err(error), before) => {
                 before.as_ref().map_or(Ok(()), |before| self.put(before))?;
                 Err(PyValueError::new_err(error.to_string()))

@@ -34,7 +34,7 @@ pub struct Column {
 #[expect(dead_code, reason = "it is held, so that the memory stays")]
 enum Owner {
     Rows(Arc<Trace>),
-    Numbers(Vec<f64>),
+    Numbers(Arc<Vec<f64>>),
 }
 
 /// Columns that are fields of a row, and are read in place.
@@ -81,12 +81,12 @@ impl TraceData {
 
     /// One number of each row.
     fn numbers(&self, of: impl Fn(&Row) -> f64) -> Column {
-        Column::of_numbers(self.trace.rows.iter().map(of).collect(), &[self.trace.rows.len()])
+        Column::of_numbers(self.trace.rows.iter().map(of).collect::<Vec<f64>>(), &[self.trace.rows.len()])
     }
 
     /// So many numbers of each obstacle in each row.
     fn of_obstacles<const N: usize>(&self, of: impl Fn(&Row) -> Vec<[f64; N]>) -> Column {
-        let numbers = self.trace.rows.iter().flat_map(|row| of(row).into_iter().flatten()).collect();
+        let numbers: Vec<f64> = self.trace.rows.iter().flat_map(|row| of(row).into_iter().flatten()).collect();
         Column::of_numbers(numbers, &[self.trace.rows.len(), self.world.obstacles.len(), N])
     }
 
@@ -158,7 +158,8 @@ impl TraceData {
 }
 
 impl Column {
-    pub fn of_numbers(numbers: Vec<f64>, shape: &[usize]) -> Self {
+    pub fn of_numbers(numbers: impl Into<Arc<Vec<f64>>>, shape: &[usize]) -> Self {
+        let numbers = numbers.into();
         let mut axes: Vec<(usize, usize)> = shape.iter().map(|n| (*n, size_of::<f64>())).collect();
         for at in (1..axes.len()).rev() {
             axes[at - 1].1 = axes[at].0 * axes[at].1;

@@ -15,7 +15,7 @@ from conftest import ROOT
 
 import cohaul
 
-MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_rollouts", "_compare", "_sweep", "_simulation", "_import", "_maps", "_check", "_measured", "engines", "gym", "results"])]
+MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_rollouts", "_compare", "_sweep", "_simulation", "_import", "_maps", "_check", "_measured", "engines", "gym", "results", "scenario"])]
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -53,6 +53,7 @@ def test_pages_of_notebooks_have_their_code() -> None:
 
 def test_pages_of_the_package_follow_from_its_sources() -> None:
     script = runpy.run_path(str(ROOT / "python/api.py"))
+    assert (ROOT / "python/cohaul/scenario.py").read_text() == script["scenario_types"](), "python python/api.py writes it"
     for name, text in script["pages"]().items():
         assert (ROOT / "docs/src/reference" / name).read_text() == text, f"{name}: python python/api.py writes it"
 

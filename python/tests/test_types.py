@@ -222,6 +222,15 @@ run.energy["friction"]
 run.final["heading_rad"].upper()
 run.trace["x"]
 run.trace["x_m"].upper()
+cohaul.Scenario("scene.json", duration_s=2.0, load=cohaul.load(mass_kg=1.0, radius_m=0.1))  # ok
+cohaul.Scenario("scene.json", duration=2.0)
+cohaul.Scenario("scene.json", springs=[cohaul.spring(root_m=(0.0, 0.0), stiffness=2.0)])
+cohaul.load(mass_kg="heavy", radius_m=0.1)
+cohaul.ants(4, preset="papers")
+cohaul.ants(4, nest_position_m=(0.2, -0.17))  # ok
+post = cohaul.obstacle(name="post", outline={"disc": {"radius_m": 0.01}})  # ok
+cohaul.Scenario("scene.json", obstacles=[post, cohaul.obstacle(name="wall", outline={"disk": {"radius_m": 0.01}})])
+cohaul.ground(friction_coefficient=0.3, supports=[{"offset": (0.0, 0.0)}])
 found["answers"]
 found["answer"]["text"]
 found.verdicts["path"]["verdict"] == "agree"  # ok

@@ -75,6 +75,8 @@ fn runs_before_and_after_a_change_are_compared_and_kept() {
         undone.iter().flatten().zip(before.iter().flatten()).all(|(found, expected)| (found - expected).abs() < 1e-9),
         "{undone:?} {before:?}"
     );
+    // What is pale now is what was undone, not what was before the change.
+    browser.wait_until("return document.querySelector('.share').textContent.includes('pale: before Undo or Redo')");
     click(&browser, "Redo");
     browser.wait_until("return document.querySelector('.panel input[name=inertia]').value == 700");
 
@@ -171,6 +173,30 @@ fn a_scene_is_edited_and_the_program_gives_it_the_same_verdict() {
     let output = crate::root::cohaul().args(["compare", "--json"]).arg(&file).output().unwrap();
     let compared: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(compared["answer"], answer, "{valid}");
+    assert_eq!(browser.console(), [""; 0]);
+}
+
+/// Each part of an outline has a place that can be dragged and typed, and can be taken out alone.
+#[test]
+#[ignore = "needs Chromium and ChromeDriver"]
+fn a_part_of_an_outline_is_moved_and_removed() {
+    let room = tempdir().unwrap();
+    let (_served, browser) = opened("robots/two-fingers.json");
+    browser.save_in(room.path());
+    click(&browser, "Edit");
+    let part = grip(&browser, "fingers: part 1: place");
+    browser.drag_slowly(part, [part[0] - 20.0, part[1] + 15.0]);
+    let moved = grip(&browser, "fingers: part 1: place");
+    assert!((moved[0] - part[0] + 20.0).hypot(moved[1] - part[1] - 15.0) < 3.0, "{part:?} {moved:?}");
+    let parts = |room: &Path| read(&saved_scenario(&browser, room))["obstacles"][0]["outline"]["compound"]["parts"].take();
+    let found = parts(room.path());
+    let place: [f64; 2] = serde_json::from_value(found[1]["position_m"].clone()).unwrap();
+    assert!(place[0] < -0.12 && place[1] < -0.1 && found[0]["position_m"] == serde_json::json!([-0.12, 0.1]), "{found}");
+    click(&browser, "Remove");
+    browser.wait_until("return !document.querySelector('.replay canvas').dataset.grips.includes('part 1')");
+    let room = tempdir().unwrap();
+    browser.save_in(room.path());
+    assert_eq!(parts(room.path()).as_array().unwrap().len(), 1);
     assert_eq!(browser.console(), [""; 0]);
 }
 

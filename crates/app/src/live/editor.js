@@ -1,6 +1,6 @@
 // Changes the scene itself: its parts are taken in the drawing or out of a list, and every number can be typed.
 
-const GRIP_COLORS = { waypoint: '#cc3311', obstacle: '#7b3fa0', point: '#7b3fa0', spring: '#d55e00', support: '#e69f00', nest: '#009e73', load: '#0072b2' };
+const GRIP_COLORS = { waypoint: '#cc3311', obstacle: '#7b3fa0', point: '#7b3fa0', part: '#7b3fa0', spring: '#d55e00', support: '#e69f00', nest: '#009e73', load: '#0072b2' };
 const ADD_WORDS = { box: 'Box', disc: 'Disc', wall: 'Wall', pusher: 'Pusher', spring: 'Spring', support: 'Support' };
 // Numbers of a longer list are not shown; its points are taken one by one.
 const LONGEST_LIST = 12;

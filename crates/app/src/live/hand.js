@@ -229,7 +229,7 @@ class Live extends Timeline {
     const failed = server.lanes.flatMap(({ status, cause }, i) => (status === 'ok' ? [] : [`${this.data.runs[i].label}: ${status}, ${cause}`]));
     const pace = this.pace === 1 ? '' : `at ${this.pace}× the scene lasts ${Number((this.lasts / this.pace).toPrecision(2))} s`;
     const share = this.busy === undefined ? '' : `computing takes ${Number((100 * this.busy).toPrecision(2))} % of the simulated time, ${this.recent.length} frames/s`;
-    this.share.textContent = [...failed, pace, this.earlier && 'pale: before the last change', share].filter(Boolean).join('; ');
+    this.share.textContent = [...failed, pace, this.earlier && `pale: before ${this.earlier.before}`, share].filter(Boolean).join('; ');
     const scale = this.scaleIn(0);
     const pixels = (at) => scale.to(...at).map(Math.round);
     Object.assign(canvas.dataset, {

@@ -24,7 +24,7 @@ function radiusOf(load) {
   return of(load.outline);
 }
 
-// Grips of an outline: each corner, and a point on each circle.
+// Grips of an outline: each corner, a point on each circle, and the place of each part.
 function* outlineGrips(scene, at, pose, what) {
   const { disc, polygon, polyline, compound } = valueAt(scene, at);
   if (disc) yield radiusGrip([...at, 'disc', 'radius_m'], pose, disc.radius_m, what);
@@ -35,9 +35,10 @@ function* outlineGrips(scene, at, pose, what) {
     }
   }
   for (const [i, part] of (compound?.parts || []).entries()) {
-    const own = poseOfBody(part);
+    const [own, key] = [poseOfBody(part), [...at, 'compound', 'parts', i]];
     const [x, y] = toWorld(pose, [own.x, own.y]);
-    yield* outlineGrips(scene, [...at, 'compound', 'parts', i, 'outline'], { x, y, heading: pose.heading + own.heading }, `${what}: part ${i}`);
+    yield { kind: 'part', name: `${what}: part ${i}: place`, at: key, place: [x, y], move: (to, place) => { valueAt(to, key).position_m = toBody(pose, place); } };
+    yield* outlineGrips(scene, [...key, 'outline'], { x, y, heading: pose.heading + own.heading }, `${what}: part ${i}`);
   }
 }
 
@@ -99,7 +100,10 @@ function gripsOf(scene) {
   const nest = drive.nest_position_m && { kind: 'nest', name: 'nest', at: ['drive'], place: drive.nest_position_m, move: (to, place) => { to.drive.nest_position_m = place; } };
   const outline = load.outline ? [...outlineGrips(scene, ['load', 'outline'], pose, 'load')] : [radiusGrip(['load', 'radius_m'], pose, load.radius_m, 'load')];
   const whole = { kind: 'load', name: 'load: place', at: ['load'], place: [pose.x, pose.y], move: (to, place) => { to.load.position_m = place; } };
-  return [...tips, ...obstacleGrips(scene), ...springGrips(scene, pose), ...outline, ...supports, ...(nest ? [nest] : []), whole];
+  const grips = [...tips, ...obstacleGrips(scene), ...springGrips(scene, pose), ...outline, ...supports, ...(nest ? [nest] : []), whole];
+  // A body comes before its parts, of which one is often where the body is.
+  const isPart = ({ kind }) => kind === 'part';
+  return [...grips.filter((grip) => !isPart(grip)), ...grips.filter(isPart)];
 }
 
 // What can be added: each changes the scenario, and returns the keys of what is new.
@@ -190,7 +194,8 @@ function removePart(scene, at) {
   const [kind] = at;
   const isWaypoint = at.includes('waypoints');
   if (isWaypoint && parentOf(scene, at).length === 1) return removePart(scene, at.slice(0, kind === 'drive' ? 3 : 2));
-  const key = isWaypoint || at.includes('points_m') ? at : at.slice(0, { springs: 2, obstacles: 2, ground: 3, drive: 3 }[kind]);
+  const ofPart = at.includes('parts') ? at.lastIndexOf('parts') + 2 : undefined;
+  const key = isWaypoint || at.includes('points_m') ? at : at.slice(0, ofPart ?? { springs: 2, obstacles: 2, ground: 3, drive: 3 }[kind]);
   const [list, i] = [parentOf(scene, key), key.at(-1)];
   if (!Array.isArray(list)) return false;
   const takeOut = () => list.splice(i, 1);

@@ -72,8 +72,8 @@ class Timeline extends Stage {
   }
 
   // Before a change: the course so far stays in view, pale, unless the one before it got further.
-  hold() {
-    if (this.course.end > 0 && this.course.end >= (this.goal ?? 0) - 1e-9) this.earlier = this.course;
+  hold(before = 'the last change') {
+    if (this.course.end > 0 && this.course.end >= (this.goal ?? 0) - 1e-9) this.earlier = Object.assign(this.course, { before });
     this.goal = this.course.end;
   }
 
@@ -85,7 +85,7 @@ class Timeline extends Stage {
 
   // A state as it was kept: at its own time, or at the time that is shown of the same scene.
   open(saved, keepsTime) {
-    this.hold();
+    this.hold(keepsTime ? 'Undo or Redo' : undefined);
     this.isPlaying = false;
     if (keepsTime && saved.scenario.name === this.scene.name) {
       this.send({ do: 'open', saved: { ...saved, time_s: this.goal } });
