@@ -275,6 +275,8 @@ class RingOfSprings(TypedDict):
     first_bearing_rad: NotRequired[float]
     """Direction of the first spring in the load's frame (rad). The default is 0: along the x
     axis."""
+    law: NotRequired[SpringLaw]
+    """Law of the springs. The default is "polar"."""
     n: int
     """Number of springs (1)."""
     radial_stiffness_n_per_m: float
@@ -314,13 +316,15 @@ class RingOfSupportsForm(TypedDict):
 
 
 class Spring(TypedDict, total=False):
-    """One spring. A spring without rest length and torsional stiffness is isotropic: its force is
-    linear in the position of its tip."""
+    """One spring, or a rope. A spring without rest length and torsional stiffness is isotropic: its
+    force is linear in the position of its tip."""
     bearing_rad: float
     """Direction of the undeformed spring in the load's frame (rad)."""
     damping_ratio: float
     """Damping over the critical damping of the load's mass on this spring (1). The default is 0: no
     damping."""
+    law: SpringLaw
+    """Law of the spring. The default is "polar"."""
     radial_stiffness_n_per_m: float
     """Stiffness against a change of length (N/m)."""
     rest_length_m: float
@@ -403,6 +407,9 @@ ReleasePace = Literal["aged", "hazard", "per-tick"]
 
 SideFrictionRule = Literal["geometric-mean", "average", "min", "multiply", "max"]
 """Combination of the coefficients of side friction of the load and an obstacle."""
+
+SpringLaw = Literal["polar", "rope"]
+"""Law of a spring."""
 
 Springs = Union[RingOfSpringsForm, Spring]
 """A spring, or a group of equal springs."""

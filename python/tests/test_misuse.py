@@ -244,7 +244,10 @@ def test_lists_of_nothing_and_unknown_tiers_are_refused(pulled: Path) -> None:
 
 
 @pytest.mark.parametrize("backend", cohaul.BACKENDS)
-def test_an_interrupt_ends_a_long_advance_and_leaves_all_as_it_was(four_ants: Path, backend: Any) -> None:
+def test_an_interrupt_ends_a_long_advance_and_leaves_all_as_it_was(four_ants: Path, backend: Any, request: pytest.FixtureRequest) -> None:
+    # Tests that a shell has started in the background ignore it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     options: dict[str, Any] = {} if backend == "rapier" else {"no_skip": ["still-tips", "stick-certificate"]}
     sim = cohaul.Simulation(four_ants, backend, step_s=1e-6, **options)
     starts = 0.0385 * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])

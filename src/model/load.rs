@@ -1,6 +1,6 @@
 //! The load, and the whole mechanism a backend moves: load, ground and springs.
 
-use super::{Ground, PolarSpring, World};
+use super::{Ground, PolarSpring, SpringLaw, World};
 use crate::math::Twist;
 
 /// A rigid body in the plane. The origin of its frame is its centre of mass.
@@ -81,9 +81,9 @@ impl System {
 
     /// Radial and torsional dashpot coefficient of a spring on this load: stiffness times 2 zeta /
     /// omega_n with omega_n = sqrt(radial stiffness / mass). The dashpot of an isotropic spring
-    /// resists every direction alike (N s/m, N m s/rad).
+    /// resists every direction alike (N s/m, N m s/rad). A rope has none.
     pub fn dashpot(&self, spring: &PolarSpring) -> (f64, f64) {
-        if spring.damping_ratio == 0.0 || spring.radial_stiffness == 0.0 {
+        if spring.damping_ratio == 0.0 || spring.radial_stiffness == 0.0 || spring.law == SpringLaw::Rope {
             return (0.0, 0.0);
         }
         let time = 2.0 * spring.damping_ratio * (self.load.mass / spring.radial_stiffness).sqrt();

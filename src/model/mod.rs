@@ -25,7 +25,7 @@ pub use interaction::interaction_force;
 pub use load::{Load, System};
 pub use motion::Motion;
 pub use outline::{Outline, OutlinePart};
-pub use spring::{PolarSpring, Reaction, SpringShape};
+pub use spring::{PolarSpring, Reaction, SpringLaw, SpringShape};
 pub use spring_design::SpringDesign;
 pub use support::{Ground, SupportPoint};
 pub use world::{Obstacle, ObstaclePath, ObstaclePose, SideFrictionRule, World};

@@ -25,8 +25,37 @@
 //! twice. Forces here are derivatives of one energy, so power and energy agree.
 //!
 //! Eq. (10) is the force on the tip; the load gets its opposite.
+//!
+//! A rope is such a spring without torsion that pulls only: while it is shorter than l_0, its
+//! energy and all derivatives are zero. [`SpringLaw::least_stretch`] is all that says so, here and,
+//! lane by lane, in the block of springs of the exact backends.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, direction, perpendicular, rotation, unwrap_near};
+
+/// Law of a spring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpringLaw {
+    /// It pulls and pushes (Eq. 8-10).
+    #[default]
+    Polar,
+    /// It pulls where it is longer than its rest length, and is slack elsewhere. It has neither
+    /// torsional stiffness nor damping.
+    Rope,
+}
+
+impl SpringLaw {
+    /// Least stretch that a force answers to (m); below it the spring is slack.
+    pub fn least_stretch(self) -> f64 {
+        match self {
+            Self::Polar => f64::NEG_INFINITY,
+            Self::Rope => 0.0,
+        }
+    }
+}
 
 /// One spring of the load. Nothing in it changes during a run. The default is the base of others:
 /// it has no length, no stiffness and no damping.
@@ -44,6 +73,7 @@ pub struct PolarSpring {
     pub torsional_stiffness: f64,
     /// Damping over critical damping of the load's mass on this spring (1).
     pub damping_ratio: f64,
+    pub law: SpringLaw,
 }
 
 /// Tip of an attached spring in the frame of its root. Where a spring has a direction, its law is
@@ -134,28 +164,44 @@ impl PolarSpring {
         [radial, torsional * square]
     }
 
-    /// Stiffness against change of length and against swing at this length (N/m, N m/rad). The law
-    /// is linear in both, so that they are the same at every length.
-    pub fn stiffness_at(&self, _length: f64) -> (f64, f64) {
-        (self.radial_stiffness, self.torsional_stiffness)
+    /// Change of length from rest that the force answers to, at this length (m).
+    fn stretch(&self, length: f64) -> f64 {
+        (length - self.rest_length).max(self.law.least_stretch())
+    }
+
+    /// Whether the spring has no force at this length (m) and near it.
+    pub fn is_slack(&self, length: f64) -> bool {
+        length - self.rest_length < self.law.least_stretch()
+    }
+
+    /// Stiffness against change of length and against swing at this length (N/m, N m/rad).
+    pub fn stiffness_at(&self, length: f64) -> (f64, f64) {
+        if self.is_slack(length) { (0.0, 0.0) } else { (self.radial_stiffness, self.torsional_stiffness) }
     }
 
     /// Pull along the spring at this length (N).
     pub fn radial_pull(&self, length: f64) -> f64 {
-        self.radial_stiffness * (length - self.rest_length)
+        self.radial_stiffness * self.stretch(length)
     }
 
     /// Entries of H_d at this length (m), which is positive, and swing (rad): along the spring,
     /// across it, and between the two (N/m).
     pub fn polar_stiffness(&self, length: f64, swing: f64) -> [f64; 3] {
+        if self.is_slack(length) {
+            return [0.0; 3];
+        }
         let torsion = self.torsional_stiffness / (length * length);
         let across = self.radial_stiffness * (1.0 - self.rest_length / length) + torsion;
         [self.radial_stiffness, across, -(torsion * swing)]
     }
 
     /// Bound of the second derivative of the pull by the tip, at lengths of `shortest` (m) or more
-    /// and swings of at most `swing` (rad) (N/m^2).
+    /// and swings of at most `swing` (rad) (N/m^2). It is infinite where the stiffness jumps, as
+    /// that of a rope does at its rest length.
     pub fn largest_curvature(&self, shortest: f64, swing: f64) -> f64 {
+        if self.is_slack(shortest) {
+            return f64::INFINITY;
+        }
         let torsional = self.torsional_stiffness;
         let largest_a = (self.radial_stiffness * self.rest_length).max(2.0 * torsional / shortest) / (shortest * shortest);
         let largest_b = 2.0 * torsional * swing / (shortest * shortest * shortest);
@@ -166,7 +212,7 @@ impl PolarSpring {
     /// A spring with the same root and these stiffnesses (N/m, N m/rad) that is undeformed in
     /// `shape`.
     pub fn about(&self, shape: &SpringShape, radial_stiffness: f64, torsional_stiffness: f64) -> PolarSpring {
-        let softened = PolarSpring { radial_stiffness, torsional_stiffness, damping_ratio: 0.0, ..*self };
+        let softened = PolarSpring { radial_stiffness, torsional_stiffness, damping_ratio: 0.0, law: SpringLaw::Polar, ..*self };
         if self.is_isotropic() {
             PolarSpring { root: self.root + rotation(self.bearing) * shape.tip_in_root, ..softened }
         } else {
@@ -190,7 +236,7 @@ impl PolarSpring {
 
     /// Elastic energy (J).
     pub fn energy(&self, shape: &SpringShape) -> f64 {
-        let stretch = shape.length - self.rest_length;
+        let stretch = self.stretch(shape.length);
         0.5 * self.radial_stiffness * stretch * stretch + 0.5 * self.torsional_stiffness * shape.swing * shape.swing
     }
 
@@ -258,107 +304,5 @@ impl PolarSpring {
 
     fn root_in_bearing(&self) -> Vec2 {
         rotation(self.bearing).tr_mul(&self.root)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::paper;
-
-    const PAPER: PolarSpring = PolarSpring {
-        root: Vec2::new(paper::LOAD_RADIUS_M, 0.0),
-        bearing: 0.0,
-        rest_length: paper::REST_LENGTH_M,
-        radial_stiffness: paper::RADIAL_STIFFNESS_N_PER_M,
-        torsional_stiffness: paper::TORSIONAL_STIFFNESS_NM_PER_RAD,
-        damping_ratio: 0.0,
-    };
-
-    fn energy_at(spring: &PolarSpring, q: Vec3, tip: &Vec2, near: f64) -> f64 {
-        spring.energy(&spring.shape(&Pose::new(q.x, q.y, q.z), tip, near))
-    }
-
-    /// The Hessian is symmetric by construction, so differences of the energy check all of it.
-    #[test]
-    fn gradient_and_hessian_are_the_derivatives_of_the_energy() {
-        let spring = PolarSpring { root: Vec2::new(0.003, 0.0116), bearing: 1.4, ..PAPER };
-        let at = Vec3::new(0.004, -0.003, 0.35);
-        let tip = Vec2::new(0.02, 0.047);
-        let pose = Pose::new(at.x, at.y, at.z);
-        let shape = spring.shape(&pose, &tip, 0.0);
-        let reaction = spring.reaction(&pose, &shape);
-        let scale = Vec3::new(0.0263, 0.0263, 1.0);
-        let step = 1e-3;
-        for i in 0..3 {
-            let e = Vec3::ith(i, scale[i] * step);
-            let along = |t: f64| energy_at(&spring, at + t * e, &tip, shape.swing);
-            // Fourth-order differences; energy 1e-4 J: truncation 1e-12 of it, rounding 1e-16 /
-            // step relative.
-            let slope = (8.0 * (along(1.0) - along(-1.0)) - along(2.0) + along(-2.0)) / 12.0;
-            assert!((slope - reaction.gradient.dot(&e)).abs() < 1e-9 * 1e-4 * step.sqrt(), "{i}: {slope}");
-            for j in 0..3 {
-                let f = Vec3::ith(j, scale[j] * step);
-                let gradient = |t: f64| {
-                    let q = at + t * f;
-                    let pose = Pose::new(q.x, q.y, q.z);
-                    spring.reaction(&pose, &spring.shape(&pose, &tip, shape.swing)).gradient[i] * scale[i]
-                };
-                let slope = (8.0 * (gradient(1.0) - gradient(-1.0)) - gradient(2.0) + gradient(-2.0)) / 12.0;
-                let exact = reaction.hessian[(i, j)] * scale[i] * scale[j] * step;
-                assert!((slope - exact).abs() < 1e-13, "{i},{j}: {slope} {exact}");
-            }
-        }
-    }
-
-    #[test]
-    fn an_undeformed_spring_carries_nothing_at_any_bearing() {
-        for bearing in [0.0, 1.0, 2.5, -3.0] {
-            let spring = PolarSpring { root: 0.0122 * direction(bearing), bearing, ..PAPER };
-            let pose = Pose::new(0.2, 0.1, 0.8);
-            let shape = spring.shape(&pose, &pose.to_world(&spring.rest_tip()), 0.0);
-            // Rounding of positions of order 0.2 m times 0.66 N/m.
-            assert!(spring.pull_in_root(&shape).norm() < 1e-16);
-        }
-    }
-
-    /// At rest the rotational stiffness is (k_t / l_0^2) (R_L + l_0)^2 = 9.69e-4 N m/rad.
-    #[test]
-    fn rest_stiffness_in_rotation() {
-        let pose = Pose::new(0.0, 0.0, 0.0);
-        let shape = PAPER.shape(&pose, &PAPER.rest_tip(), 0.0);
-        let stiffness = PAPER.reaction(&pose, &shape).hessian.m33;
-        assert!((stiffness - 4.52e-4 / 0.0263f64.powi(2) * 0.0385f64.powi(2)).abs() < 1e-18 * 1e3);
-        // Three digits are known.
-        assert!((stiffness - 9.69e-4).abs() < 5e-7);
-    }
-
-    /// At l = l_0 the tip Hessian loses definiteness at a swing of 1.00802 rad.
-    #[test]
-    fn convexity_is_lost_at_the_critical_swing() {
-        let determinant = |swing: f64| {
-            let shape = SpringShape { tip_in_root: 0.0263 * direction(swing), length: 0.0263, swing };
-            PAPER.stiffness_in_root(&shape).determinant()
-        };
-        assert!(determinant(1.00801) > 0.0);
-        assert!(determinant(1.00803) < 0.0);
-    }
-
-    #[test]
-    fn the_swing_follows_its_branch_over_a_whole_turn() {
-        let pose = Pose::new(0.0, 0.0, 0.0);
-        let mut swing = 0.0;
-        for step in 0..=100 {
-            let tip = PAPER.root + 0.0263 * direction(0.1 * f64::from(step));
-            swing = PAPER.shape(&pose, &tip, swing).swing;
-        }
-        assert!((swing - 10.0).abs() < 1e-13);
-    }
-
-    #[test]
-    fn a_tip_on_its_root_gives_finite_answers() {
-        let pose = Pose::new(0.0, 0.0, 0.0);
-        let reaction = PAPER.reaction(&pose, &PAPER.shape(&pose, &PAPER.root, 0.3));
-        assert!(reaction.energy.is_finite() && reaction.gradient.norm().is_finite() && reaction.hessian.norm().is_finite());
     }
 }

@@ -36,7 +36,7 @@ const BACKEND_FLOORS: [&[&str]; 7] = [
 /// Most lines of Rust in the sources of each crate. A budget falls, but for what a new feature
 /// needs: one that is a fiftieth above what it is for fails too.
 const BUDGETS: [(&str, usize); 7] = [
-    ("src", 40_700),
+    ("src", 40_680),
     ("crates/engines/src", 1_120),
     ("crates/report/src", 8_820),
     ("crates/studies/src", 24_200),

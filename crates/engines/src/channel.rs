@@ -7,8 +7,7 @@ use crate::springs::Springs;
 
 /// A way to an engine, one line each way.
 pub trait Channel: Send {
-    /// Sends a line, answers what the engine asks of the `springs` meanwhile, and returns its
-    /// answer.
+    /// Sends a line, answers what the engine then asks of the `springs`, and returns its answer.
     ///
     /// # Errors
     /// What is wrong with the engine, in words.

@@ -1,13 +1,12 @@
 //! Requests to an engine and its answers: JSON objects, one a line, in SI units and world axes.
 //!
-//! The origin of the load is its centre of mass. Headings turn counter-clockwise and are not
-//! wrapped.
+//! The load's origin is its centre of mass. Headings turn counter-clockwise, without wrapping.
 
 use serde::{Deserialize, Serialize};
 
 use cohaul::backend::BackendOptions;
 use cohaul::math::{Pose, Twist, Vec2};
-use cohaul::model::{Motion, Outline, OutlinePart, System};
+use cohaul::model::{Motion, Outline, OutlinePart, PolarSpring, SpringLaw, System};
 
 /// Version of the protocol: a request `start` carries it.
 pub const VERSION: u32 = 1;
@@ -86,7 +85,7 @@ pub struct Support {
     pub slip_limit_n: f64,
 }
 
-/// A spring of the load, after the paper's polar law, with dashpots along and across.
+/// A spring of the load: after the paper's polar law, with dashpots along and across, or a rope.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spring {
     /// Root in the load's frame.
@@ -98,6 +97,7 @@ pub struct Spring {
     pub torsional_stiffness_nm_per_rad: f64,
     pub radial_damping_ns_per_m: f64,
     pub torsional_damping_nms_per_rad: f64,
+    pub law: SpringLaw,
 }
 
 /// An obstacle at the start.
@@ -209,7 +209,7 @@ impl Scene {
     fn of(system: &System, start: &Motion) -> Self {
         let System { load, ground, springs, world } = system;
         let supports = ground.supports.iter().zip(ground.slip_limits());
-        let spring = |spring: &cohaul::model::PolarSpring| {
+        let spring = |spring: &PolarSpring| {
             let (radial, torsional) = system.dashpot(spring);
             Spring {
                 root_m: pair(&spring.root),
@@ -219,6 +219,7 @@ impl Scene {
                 torsional_stiffness_nm_per_rad: spring.torsional_stiffness,
                 radial_damping_ns_per_m: radial,
                 torsional_damping_nms_per_rad: torsional,
+                law: spring.law,
             }
         };
         let obstacle = |obstacle: &cohaul::model::Obstacle| Obstacle {

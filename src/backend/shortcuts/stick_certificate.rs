@@ -215,7 +215,7 @@ impl Reach {
 
 impl Growth {
     /// Growth within a ball about the tip of a spring. `None` for a spring too short to have a
-    /// direction, and where nothing is known of the supports.
+    /// direction or that may become slack, and where nothing is known of the supports.
     fn in_ball(Ball { attachment, radius }: &Ball, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<Self> {
         let Reach { arm, shape, pull } = Reach::of(attachment, spring, at)?;
         let stiffness = spring.stiffness_in_root(&shape);
@@ -225,6 +225,9 @@ impl Growth {
             let [along, across, between] = spring.polar_stiffness(shape.length, shape.swing);
             let largest = along.max(across.abs()) + between.abs();
             let curvature = spring.largest_curvature(shape.length - radius, shape.swing.abs() + CERTIFICATE_TURN);
+            if curvature == f64::INFINITY {
+                return None;
+            }
             solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature)
         };
         let column = |shift: Vec2| {

@@ -22,6 +22,8 @@ pub(super) struct Block {
     /// Unit vector along the undeformed spring (load axes).
     bearing: Vectors,
     rest_length: Numbers,
+    /// Least stretch that a force answers to (m).
+    least_stretch: Numbers,
     /// Length at and below which a spring has no direction (m). It is negative in lanes beyond the
     /// last spring.
     shortest: Numbers,
@@ -68,6 +70,7 @@ impl Block {
         self.bearing.set_lane(k, bearing);
         let stiffness = |value: f64| if acts { value } else { 0.0 };
         self.rest_length.as_mut_array()[k] = spring.rest_length;
+        self.least_stretch.as_mut_array()[k] = spring.law.least_stretch();
         self.shortest.as_mut_array()[k] = if acts { (SHORTEST_LENGTH * spring.rest_length).max(f64::MIN_POSITIVE) } else { -1.0 };
         self.radial.as_mut_array()[k] = stiffness(spring.radial_stiffness);
         self.torsional.as_mut_array()[k] = stiffness(spring.torsional_stiffness);
@@ -103,7 +106,8 @@ impl Block {
         let inverse = Numbers::ONE / length;
         let (e_x, e_y) = (d.x * inverse, d.y * inverse);
         let swing = if swings == Swings::Given { self.swing } else { self.swing_of(d) };
-        let stretch = length - self.rest_length;
+        let from_rest = length - self.rest_length;
+        let stretch = from_rest.fast_max(self.least_stretch);
         let (radial_pull, torsion) = (self.radial * stretch, self.torsional * inverse);
         let torsional_pull = torsion * swing;
         let pull = Vectors { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
@@ -117,15 +121,14 @@ impl Block {
         if !CURVED {
             return true;
         }
+        // A rope has no stiffness while it is slack.
+        let radial = self.radial & from_rest.simd_ge(self.least_stretch);
         let across = (radial_pull + torsion) * inverse;
         let coupling = -torsional_pull * inverse;
         let (xx, yy, xy) = (e_x * e_x, e_y * e_y, e_x * e_y);
         let twice = coupling * (xy + xy);
-        let stiffness = [
-            self.radial * xx + across * yy - twice,
-            self.radial * yy + across * xx + twice,
-            (self.radial - across) * xy + coupling * (xx - yy),
-        ];
+        let stiffness =
+            [radial * xx + across * yy - twice, radial * yy + across * xx + twice, (radial - across) * xy + coupling * (xx - yy)];
         let stiff_turn =
             Vectors { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
         for (sum, entry) in sums.stiffness.iter_mut().zip(stiffness) {

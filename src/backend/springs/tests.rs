@@ -2,12 +2,12 @@
 
 use super::{Attachments, Place, SpringBlocks};
 use crate::math::{Mat3, Pose, RandomStreams, Stream, Vec2, Vec3, direction, rotation};
-use crate::model::{PolarSpring, Reaction};
+use crate::model::{PolarSpring, Reaction, SpringLaw};
 
 const STIFFNESS: f64 = 0.664;
 
-/// Springs of all kinds: those of the paper, stiff and soft ones, isotropic ones, none of them
-/// at rest, some attached after turns about their roots.
+/// Springs of all kinds: those of the paper, stiff and soft ones, isotropic ones and ropes, none of
+/// them at rest, some attached after turns about their roots.
 fn attached(n: u32, seed: u64) -> (Vec<PolarSpring>, Attachments) {
     let streams = RandomStreams::new(seed);
     let draw = |i: u32, k: u64| 2.0 * streams.uniform(Stream::Start, i, k) - 1.0;
@@ -16,7 +16,8 @@ fn attached(n: u32, seed: u64) -> (Vec<PolarSpring>, Attachments) {
         bearing: 4.0 * draw(i, 2),
         rest_length: if i % 3 == 2 { 0.0 } else { 0.0263 },
         radial_stiffness: STIFFNESS * 4f64.powf(draw(i, 3)),
-        torsional_stiffness: if i % 3 == 2 { 0.0 } else { 4.52e-4 },
+        torsional_stiffness: if i % 3 == 2 || i % 4 == 1 { 0.0 } else { 4.52e-4 },
+        law: if i % 4 == 1 { SpringLaw::Rope } else { SpringLaw::Polar },
         ..PolarSpring::default()
     };
     let springs: Vec<PolarSpring> = (0..n).map(spring).collect();

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::model::PolarSpring;
+use crate::model::{PolarSpring, SpringLaw};
 use crate::scenario::json::plain;
 
 /// A spring, or a group of equal springs.
@@ -16,8 +16,8 @@ pub enum SpringsEntry {
     One(SpringEntry),
 }
 
-/// One spring. A spring without rest length and torsional stiffness is isotropic: its force is
-/// linear in the position of its tip.
+/// One spring, or a rope. A spring without rest length and torsional stiffness is isotropic: its
+/// force is linear in the position of its tip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringEntry {
@@ -35,6 +35,9 @@ pub struct SpringEntry {
     /// no damping.
     #[serde(default)]
     pub damping_ratio: f64,
+    /// Law of the spring. The default is "polar".
+    #[serde(default, skip_serializing_if = "is_polar")]
+    pub law: SpringLaw,
 }
 
 /// Short form for equal springs on a circle.
@@ -66,6 +69,13 @@ pub struct RingOfSprings {
     /// damping.
     #[serde(default)]
     pub damping_ratio: f64,
+    /// Law of the springs. The default is "polar".
+    #[serde(default, skip_serializing_if = "is_polar")]
+    pub law: SpringLaw,
+}
+
+fn is_polar(law: &SpringLaw) -> bool {
+    *law == SpringLaw::Polar
 }
 
 impl SpringEntry {
@@ -78,6 +88,7 @@ impl SpringEntry {
             radial_stiffness_n_per_m: plain(spring.radial_stiffness),
             torsional_stiffness_nm_per_rad: plain(spring.torsional_stiffness),
             damping_ratio: plain(spring.damping_ratio),
+            law: spring.law,
         }
     }
 
@@ -90,6 +101,7 @@ impl SpringEntry {
             radial_stiffness: self.radial_stiffness_n_per_m,
             torsional_stiffness: self.torsional_stiffness_nm_per_rad,
             damping_ratio: self.damping_ratio,
+            law: self.law,
         }
     }
 }

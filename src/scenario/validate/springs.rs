@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use super::shared::{MOST_IN_RING, bearings, polar};
-use crate::model::PolarSpring;
+use crate::model::{PolarSpring, SpringLaw};
 use crate::scenario::error::{Findings, number};
 use crate::scenario::format::{RingOfSprings, SpringEntry, SpringsEntry};
 
@@ -58,6 +58,7 @@ fn ring(ring: &RingOfSprings, index: usize, findings: &mut Findings) -> impl Ite
         radial_stiffness: ring.radial_stiffness_n_per_m,
         torsional_stiffness: ring.torsional_stiffness_nm_per_rad,
         damping_ratio: ring.damping_ratio,
+        law: ring.law,
     };
     check_law(&place, &first, findings);
     let n = if findings.count(format_args!("{place}.n"), ring.n, MOST_IN_RING) { ring.n } else { 0 };
@@ -83,6 +84,13 @@ fn check_law(place: &impl Display, spring: &PolarSpring, findings: &mut Findings
     if torsional > 0.0 && spring.rest_length == 0.0 {
         let rule = "must be positive for a spring with torsional stiffness: a spring without length has no direction";
         findings.report(key("rest_length_m"), rule, number(spring.rest_length));
+    }
+    if spring.law == SpringLaw::Rope {
+        for (name, value) in [("torsional_stiffness_nm_per_rad", torsional), ("damping_ratio", spring.damping_ratio)] {
+            if value > 0.0 {
+                findings.report(key(name), "must be zero for a rope, which only pulls", number(value));
+            }
+        }
     }
     if spring.damping_ratio > 0.0 && radial == 0.0 {
         let rule = "must be zero where the radial stiffness is zero: critical damping is that of the radial stiffness";

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use cohaul::model::SpringLaw;
 use cohaul::scenario::{Drive, Scenario};
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -49,9 +50,12 @@ pub fn parameters(scenario: &Scenario, base: &Scenario, speed: f64) -> Vec<Param
     if let (Some(now), Some(stiffness)) = (mean_stiffness(scenario), mean_stiffness(base)) {
         let about = "Mean stiffness of the springs; all change by the same factor";
         found.push(by_factor("stiffness", about, "N/m", now, stiffness, REACH));
-        let value = scenario.system.springs.iter().map(|spring| spring.damping_ratio).sum::<f64>() / scenario.system.springs.len() as f64;
-        let about = "Damping ratio of all springs";
-        found.push(Parameter { key: "damping", name: "damping", about, unit: "", value, least: 0.0, most: 2.0, is_log: false });
+        let ratios: Vec<f64> =
+            scenario.system.springs.iter().filter(|spring| spring.law == SpringLaw::Polar).map(|spring| spring.damping_ratio).collect();
+        if !ratios.is_empty() {
+            let (about, value) = ("Damping ratio of all springs; ropes have none", ratios.iter().sum::<f64>() / ratios.len() as f64);
+            found.push(Parameter { key: "damping", name: "damping", about, unit: "", value, least: 0.0, most: 2.0, is_log: false });
+        }
     }
     if is_driven(scenario) {
         let about = "Speed of tips, ants and pushers, over that of the scene as it was opened";
@@ -83,7 +87,9 @@ pub fn set(scenario: &mut Scenario, base: &Scenario, speed: &mut f64, key: &str,
             }
         }
         "friction" => system.ground.friction_coefficient = value,
-        "damping" => system.springs.iter_mut().for_each(|spring| spring.damping_ratio = value),
+        "damping" => {
+            system.springs.iter_mut().filter(|spring| spring.law == SpringLaw::Polar).for_each(|spring| spring.damping_ratio = value);
+        }
         "stiffness" => system.springs.iter_mut().for_each(|spring| {
             spring.radial_stiffness *= factor;
             spring.torsional_stiffness *= factor;
