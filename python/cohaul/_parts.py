@@ -1,7 +1,7 @@
 """Parts of a scenario from keywords. Each function returns a dict of the scenario format.
 
 Keywords are the keys of the format, as the types of :mod:`cohaul.scenario` have them. Those that
-are not given, or are None, are left out, so that the format's defaults hold.
+are not given are left out, so that the format's defaults hold; :class:`Scenario` names what misses.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ def _given(keys: Mapping[str, Any]) -> Any:
 
 def load(**keys: Unpack[Load]) -> Load:
     """A load of some ``mass_kg``: a disc of some ``radius_m``, or any ``outline``.
+
+    Other keywords: ``inertia_kg_m2``, ``position_m``, ``heading_rad``, ``velocity_m_per_s``,
+    ``turn_rate_rad_per_s``, ``side_friction_coefficient``, ``restitution``, ``density_kg_per_m2``.
 
     >>> load(mass_kg=0.0016, radius_m=0.0122)
     {'mass_kg': 0.0016, 'radius_m': 0.0122}
@@ -54,7 +57,8 @@ def spring(**keys: Unpack[Spring]) -> Spring:
     """A spring at ``root_m`` (m, load frame), undeformed in the direction ``bearing_rad`` (rad).
 
     Bearing, rest length (m) and torsional stiffness (N m/rad) are zero by default. Without the last
-    two it is isotropic.
+    two it is isotropic. Other keywords: ``radial_stiffness_n_per_m``, which must be given,
+    ``damping_ratio``, and ``law="rope"`` for a spring that pulls only.
 
     >>> spring(root_m=(0.0, 0.0), radial_stiffness_n_per_m=2.0)["rest_length_m"]
     0.0
@@ -94,10 +98,12 @@ def tips(*paths: Path) -> Tips:
 
 
 def ants(n_ants: int | None = None, /, **keys: Unpack[Ants]) -> Ants:
-    """A drive by ants.
+    """A drive by ants. Other keywords: ``nest_position_m``, ``preset``, ``pull_speed_m_per_s`` ...
 
     >>> ants(4, nest_position_m=(0.2, -0.17))
     {'kind': 'ants', 'n_ants': 4, 'nest_position_m': (0.2, -0.17)}
     """
+    if n_ants is not None and "n_ants" in keys:
+        raise TypeError(f"n_ants: must be given once, found {n_ants!r} and {keys['n_ants']!r}")
     found: Ants = _given({"kind": "ants", "n_ants": n_ants, **keys})
     return found

@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use cohaul::backend::{BackendKind, BackendOptions, Motion, Status, Tolerance, build};
 use cohaul::math::{Pose, Twist, Vec2, direction};
 use cohaul::model::{PolarSpring, SpringLaw, System};
+use cohaul::scenario::Scenario;
+use serde_json::json;
 
 use crate::common::*;
 
@@ -48,6 +50,30 @@ fn without_inertia_a_rope_tows_once_it_is_taut() {
             let error = (follows.pose.position - (3.0 * LENGTH - lag) * axis).norm();
             assert!(error < 1e-11 * LENGTH, "{n}: {error:e}");
         }
+    }
+}
+
+/// A rope that is grasped when it pulls with fifty times the slip limit pulls the load, off its
+/// centre, to where friction holds it. On its way there the rope is slack at some trials.
+#[test]
+fn without_inertia_a_rope_grasped_taut_comes_to_rest() {
+    for (stiffness, place) in [(3000.0, [0.118, 0.248]), (3000.0, [0.12, -0.25]), (1500.0, [0.3, 0.3]), (6000.0, [-0.2, 0.2])] {
+        let file = json!({
+            "name": "grasped taut", "duration_s": 0.02, "control_period_s": 0.01,
+            "load": { "mass_kg": 2.0, "outline": { "rectangle": { "size_m": [0.3, 0.2] } } },
+            "ground": { "friction_coefficient": 0.05, "supports": { "uniform": { "n": 16 } } },
+            "springs": [{
+                "root_m": [-0.122_524_563_778_477_92, -0.027_788_505_203_278_566], "bearing_rad": 0.0, "rest_length_m": 0.05,
+                "radial_stiffness_n_per_m": stiffness, "torsional_stiffness_nm_per_rad": 0.0, "law": "rope"
+            }],
+            "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0.0, place[0], place[1]]] }] }
+        });
+        let scenario = Scenario::parse(&file.to_string(), "grasped").unwrap();
+        let mut run = build(&scenario.system, scenario.start, &BackendOptions::new(BackendKind::QuasiStatic, 1e-3));
+        run.attach(0, Vec2::from(place));
+        let report = run.advance(&[Vec2::from(place)], 0.01);
+        let pull = run.pull(0).norm() / scenario.system.total_slip_limit();
+        assert!(report.status == Status::Converged && pull > 0.0 && pull <= 1.0 + 1e-9, "{place:?}: {pull} {report:?}");
     }
 }
 

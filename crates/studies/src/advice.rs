@@ -30,7 +30,7 @@ pub fn advice_text(scenario: &Scenario, advice: &Advice) -> String {
 
 fn frequencies(scenario: &Scenario, modes: &[Mode]) -> String {
     if modes.is_empty() {
-        return "none: no spring is attached".to_owned();
+        return "none: no spring is attached and taut".to_owned();
     }
     let kind = |mode: &Mode| match mode.turning_share {
         share if share < 0.1 => "translation".to_owned(),

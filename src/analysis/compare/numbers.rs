@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use crate::analysis::estimate::InertiaEstimate;
 use crate::math::{Summary, damped_rotation};
+use crate::model::SpringLaw;
 use crate::scenario::{Drive, Scenario, TipPath};
 use crate::simulation::{EventKind, Trace};
 
@@ -99,12 +100,14 @@ impl Numbers {
         let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
         let while_driven_m = self.epsilon.and_then(|epsilon| finite(epsilon * length));
         let initial = trace.rows.first().map_or(0.0, |row| row.energy.initial);
+        let has_ropes = scenario.system.springs.iter().any(|spring| spring.law == SpringLaw::Rope);
         let n_releases = trace.events.iter().filter(|event| event.kind == EventKind::Release).count();
         Predicted {
             while_driven_m,
             where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
             coasting_m: finite(initial / limit),
-            release_factor: if n_releases > 0 { self.release_factor() } else { None },
+            // A rope that becomes slack does not swing back.
+            release_factor: if n_releases > 0 && !has_ropes { self.release_factor() } else { None },
             ..Predicted::default()
         }
     }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::jump_mode::JumpMode;
 use super::numbers::Predicted;
 use crate::analysis::trigger::ByTrigger;
+use crate::model::SpringLaw;
 use crate::scenario::{Drive, Scenario, TipPath};
 
 /// One change of the scene or the engine that reduces one cause, by the law of that cause.
@@ -71,7 +72,8 @@ impl SuggestedChange {
             SuggestedChange::SlowerTips { factor } | SuggestedChange::SlowerObstacles { factor } => scenario.stretch_times(factor.recip()),
             SuggestedChange::SlowerStart { factor } => scenario.scale_start_speed(factor),
             SuggestedChange::SpringDamping { damping_ratio } => {
-                scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = spring.damping_ratio.max(damping_ratio));
+                let damped = scenario.system.springs.iter_mut().filter(|spring| spring.law != SpringLaw::Rope);
+                damped.for_each(|spring| spring.damping_ratio = spring.damping_ratio.max(damping_ratio));
             }
             SuggestedChange::SmallerStep { .. }
             | SuggestedChange::MoreHalvings { .. }

@@ -104,7 +104,9 @@ impl Step<'_> {
         let units = Vec3::new(self.length, self.length, 1.0);
         let size = |matrix: &Mat3| Mat3::from_fn(|i, j| matrix[(i, j)] * units[i] * units[j]).amax();
         let curvature = friction_curvature(self.ground, at, HELD_SLIP * self.length * self.size(at));
-        let mut share = LEAST_CURVATURE * size(hessian) / size(&curvature);
+        // Any share holds springs without stiffness, which slack ropes are.
+        let least = LEAST_CURVATURE * size(hessian) / size(&curvature);
+        let mut share = if least > 0.0 { least } else { LEAST_CURVATURE };
         while share < 0.5 {
             if PositiveDefinite::new(&(hessian + share * curvature)).is_some() {
                 return Some(hessian + 2.0 * share * curvature);

@@ -202,11 +202,12 @@ impl Block {
     }
 
     /// Change of swing from the accepted pose to the one that was evaluated last (rad). A spring
-    /// without a rest length has no direction.
+    /// without a rest length has no direction, and of one without a pull it does not matter.
     #[cold]
     pub fn take_swung(&mut self) -> f64 {
         self.is_far = false;
-        let swung = (self.last_swing - self.swing).abs() & self.rest_length.simd_gt(Numbers::ZERO);
+        let has_direction = self.rest_length.simd_gt(Numbers::ZERO) & self.last_pull.dot(self.last_pull).simd_gt(Numbers::ZERO);
+        let swung = (self.last_swing - self.swing).abs() & has_direction;
         swung.to_array().into_iter().fold(0.0, f64::max)
     }
 
